@@ -1,0 +1,121 @@
+"""Method: which occupant each room of the pipeline has, and with which settings."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from backend.config import Config, NonNegativeFloat, PositiveFloat
+
+
+class ConstantVelocity(Config):
+    """Straight on, with the velocity of a least-squares line through the newest observations."""
+
+    kind: Literal["constant_velocity"] = "constant_velocity"
+    window_s: Annotated[float, Field(ge=0.05, le=10.0)] = 0.5
+
+
+class Kalman(Config):
+    """Kalman filter on position and yaw with white-noise acceleration, aware of the time between observations."""
+
+    kind: Literal["kalman"] = "kalman"
+    acceleration_std_mps2: Annotated[float, Field(gt=0.0, le=10.0)] = 0.02
+    measurement_std_m: Annotated[float, Field(gt=0.0, le=0.1)] = 0.001
+
+
+class LastPose(Config):
+    """No prediction: the object stays where it was last seen."""
+
+    kind: Literal["last_pose"] = "last_pose"
+
+
+class Oracle(Config):
+    """The true motion; for tests and upper bounds only."""
+
+    kind: Literal["oracle"] = "oracle"
+
+
+PredictorConfig = Annotated[ConstantVelocity | Kalman | LastPose | Oracle, Field(discriminator="kind")]
+
+
+class IkFilter(Config):
+    """Solve IK for the whole database at the predicted pose and keep the best reachable grasps."""
+
+    kind: Literal["ik"] = "ik"
+    keep: Annotated[int, Field(ge=1, le=100)] = 10
+
+
+class RandomFilter(Config):
+    """Keep random grasps, the paper's baseline."""
+
+    kind: Literal["random"] = "random"
+    keep: Annotated[int, Field(ge=1, le=100)] = 10
+
+
+FilterConfig = Annotated[IkFilter | RandomFilter, Field(discriminator="kind")]
+
+
+class RrtConnect(Config):
+    """OMPL's RRT-Connect in compiled collision checks."""
+
+    kind: Literal["rrt_connect"] = "rrt_connect"
+    seeded: bool = True
+    """Start the tree with what is left of the previous path."""
+    max_checks: Annotated[int, Field(ge=100, le=1_000_000)] = 20_000
+    """Budget of state checks; counted, so that a seed gives the same path on any machine."""
+
+
+PlannerConfig = Annotated[RrtConnect, Field()]
+
+
+class Toppra(Config):
+    """Time-optimal within velocity and acceleration limits, from the arm's current velocity."""
+
+    kind: Literal["toppra"] = "toppra"
+    grid_points: Annotated[int, Field(ge=50, le=1000)] = 100
+
+
+RetimerConfig = Annotated[Toppra, Field()]
+
+
+class StepHorizon(Config):
+    """The paper's step function of the distance from hand to pregrasp (section IV-A)."""
+
+    kind: Literal["step"] = "step"
+    near_m: PositiveFloat = 0.1
+    far_m: PositiveFloat = 0.3
+    near_s: NonNegativeFloat = 0.0
+    middle_s: NonNegativeFloat = 1.0
+    far_s: NonNegativeFloat = 2.0
+
+
+HorizonConfig = Annotated[StepHorizon, Field()]
+
+
+class Execution(Config):
+    """How the grasp is carried out once CanGrasp holds."""
+
+    position_factor: Annotated[float, Field(ge=1.0, le=2.0)] = 1.1
+    """CanGrasp: the tcp is within this factor of the back-off distance from the grasp."""
+    angle_rad: Annotated[float, Field(gt=0.0, le=1.6)] = 0.349
+    """CanGrasp: largest difference in orientation, 20 degrees in the paper."""
+    approach_s: Annotated[float, Field(gt=0.1, le=5.0)] = 1.0
+    """Shortest duration of the approach, and its prediction horizon (t' in the paper)."""
+    close_s: Annotated[float, Field(gt=0.0, le=3.0)] = 0.1
+    """How long the hand at least moves along while it closes (t'' in the paper)."""
+    tracking: bool = True
+    """Correct the approach with every new observation."""
+    lift_m: Annotated[float, Field(ge=0.05, le=0.5)] = 0.1
+    hold_s: Annotated[float, Field(ge=0.1, le=5.0)] = 1.0
+
+
+class Method(Config):
+    """One way to grasp a moving object, room by room."""
+
+    name: str
+    title: str
+    predictor: PredictorConfig = Kalman()
+    horizon: HorizonConfig = StepHorizon()
+    filter: FilterConfig = IkFilter()
+    planner: PlannerConfig = RrtConnect()
+    retimer: RetimerConfig = Toppra()
+    execution: Execution = Execution()
