@@ -1,0 +1,44 @@
+# make run    the dashboard on http://127.0.0.1:8080 (ARGS="--port 9000 --seed 3" passes flags on)
+# make test   every test, browser tests included
+# make check  formatting, lint, types
+# PYTHON=/path/to/python3.11 picks the interpreter that makes the environment
+
+PYTHON ?= python3.11
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.setup-done
+ARGS ?=
+
+.DEFAULT_GOAL := run
+.PHONY: setup run test check screenshots clean
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' 2>/dev/null || { \
+	  echo "This project needs Python 3.11 and '$(PYTHON)' is not one: install it (Debian, Ubuntu: apt install python3.11 python3.11-venv;"; \
+	  echo "macOS: brew install python@3.11; anywhere: uv python install 3.11), or say where it is: make PYTHON=/path/to/python3.11"; \
+	  exit 1; }
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet -c constraints.txt -e '.[dev]'
+	@touch $@
+
+run: setup
+	$(BIN)/python run_server.py $(ARGS)
+
+test: setup
+	.ci/chromium
+	$(BIN)/python -m pytest -n 2 --dist loadgroup $(ARGS)
+
+check: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/pyright
+
+screenshots: setup
+	.ci/chromium
+	$(BIN)/python -m tests.app.screenshots
+
+clean:
+	rm -rf $(VENV) build *.egg-info .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
