@@ -28,10 +28,8 @@ class Section:
 
 
 def sections_mm(*rows: tuple[float, ...]) -> tuple[Section, ...]:
-    """Sections of rows ``(z, half_x, half_y, exponent, shift)`` in millimetres; the last two may be left out."""
-    return tuple(
-        Section(*(np.array(row[:3]) / 1000).tolist(), *row[3:4], *(v / 1000 for v in row[4:])) for row in rows
-    )
+    """Sections of rows ``(z, half_x, half_y[, exponent[, shift]])`` in millimetres."""
+    return tuple(_section_mm(*row) for row in rows)
 
 
 def loft(sections: Sequence[Section], points: int = 64, rings_per_row: int = 3) -> trimesh.Trimesh:
@@ -57,11 +55,9 @@ def convex_bands(
 def ring(section: Section, points: int) -> Array:
     """(points, 3) counter-clockwise around a section, from +x on, evenly spaced within each quadrant."""
     quarter = _quarter(section, points // 4)
-    mirrored = quarter[:0:-1] * (-1, 1)
-    half = np.concatenate([quarter, mirrored])
-    outline = np.concatenate([half, -half])[:points] if points else half
-    heights = np.full((points, 1), section.z_m)
-    return np.hstack([outline + (section.shift_m, 0.0), heights])
+    half = np.concatenate([quarter, quarter[-2:0:-1] * (-1, 1)])
+    outline = np.concatenate([half, -half])
+    return np.column_stack([outline[:, 0] + section.shift_m, outline[:, 1], np.full(points, section.z_m)])
 
 
 def interpolated(sections: Sequence[Section], z_m: Array) -> list[Section]:
@@ -85,6 +81,10 @@ def convex_hull(points: Array) -> trimesh.Trimesh:
 def closed_mesh(vertices: Array, faces: NDArray[np.int64]) -> trimesh.Trimesh:
     """Mesh of exactly these vertices and faces."""
     return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
+
+
+def _section_mm(z: float, half_x: float, half_y: float, exponent: float = 2.0, shift: float = 0.0) -> Section:
+    return Section(z / 1000, half_x / 1000, half_y / 1000, exponent, shift / 1000)
 
 
 def _along(table: Array, z_m: Array) -> Array:
@@ -121,7 +121,7 @@ def _quarter(section: Section, steps: int) -> Array:
 
 
 def _tube_faces(rings: int, points: int) -> NDArray[np.int64]:
-    """Triangles of a stack of rings and of the two fans that close it (their middles are the last vertices)."""
+    """Triangles of a stack of rings and of the fans that close it around the last two vertices."""
     here = np.arange(points)
     after = (here + 1) % points
     start = (np.arange(rings - 1) * points)[:, None]

@@ -51,7 +51,7 @@ class LyingLoft:
         return offset @ self.along, offset @ self.left
 
     def near(self, plane: Array, margin_m: float) -> NDArray[np.bool_]:
-        """(n,) whether points (n, 2) in the plane lie in the rectangle around the part, widened by the margin."""
+        """(n,) whether points (n, 2) in the plane lie in the part's rectangle, widened by the margin."""
         s, across = self.axes(plane)
         reach_m = max(abs(section.shift_m) + section.half_x_m for section in self.sections) + margin_m
         inside = (s > self.sections[0].z_m - margin_m) & (s < self.sections[-1].z_m + margin_m)

@@ -1,0 +1,80 @@
+"""A sinusoid superimposed on level straight motion; the tray does not turn with it."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from backend.config import Config, NonNegativeFloat, PositiveFloat
+from backend.motions.belt import Point, horizontal_yaw_rad, path_world
+from backend.pose import Array, Pose
+
+
+class SinusoidalMotion(Config):
+    """Progress along the axis at ``speed_mps`` while the tray swings to its left and right.
+
+    The true speed is larger: with the paper's amplitude l/8 and period l/3 it runs from 1.0 times
+    ``speed_mps`` at the crests to 2.6 times where the axis is crossed.
+    """
+
+    kind: Literal["sinusoidal"] = "sinusoidal"
+    start_m: Point
+    """Middle of the tray's top face at time 0, in the world."""
+    end_m: Point
+    """At the same height as the start."""
+    speed_mps: PositiveFloat
+    """Of the progress along the axis from ``start_m`` to ``end_m``."""
+    amplitude_m: NonNegativeFloat
+    """First to the left of the axis."""
+    period_m: PositiveFloat
+    """Progress along the axis per swing."""
+
+    @model_validator(mode="after")
+    def _is_level(self) -> Self:
+        if np.hypot(*self._span[:2]) < 1e-6 or abs(self._span[2]) > 1e-9:
+            raise ValueError("start_m and end_m must differ in x or y, and not in z")
+        return self
+
+    @property
+    def _span(self) -> Array:
+        return np.subtract(self.end_m, self.start_m)
+
+    @property
+    def length_m(self) -> float:
+        """Of the axis."""
+        return float(np.linalg.norm(self._span))
+
+    @property
+    def duration_s(self) -> float:
+        return self.length_m / self.speed_mps
+
+    @property
+    def yaw_rad(self) -> float:
+        """Heading of the axis, and of the tray."""
+        return horizontal_yaw_rad(self._span)
+
+    def pose_at(self, t_s: float) -> Pose:
+        """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
+        progress_m = self.speed_mps * min(max(t_s, 0.0), self.duration_s)
+        swing_m = self.amplitude_m * np.sin(2.0 * np.pi * progress_m / self.period_m)
+        ahead, left = self._axes()
+        return Pose.from_xyz_yaw(self.start_m + progress_m * ahead + swing_m * left, self.yaw_rad)
+
+    def velocity_at(self, t_s: float) -> Array:
+        """(3,) m/s of the tray; zero before the start and from the end on."""
+        if not 0.0 <= t_s < self.duration_s:
+            return np.zeros(3)
+        wave_number = 2.0 * np.pi / self.period_m
+        slope = self.amplitude_m * wave_number * np.cos(wave_number * self.speed_mps * t_s)
+        ahead, left = self._axes()
+        return self.speed_mps * (ahead + slope * left)
+
+    def path_world(self, n: int) -> Array:
+        """(n, 3) points of the way, evenly spaced in time."""
+        return path_world(self, n)
+
+    def _axes(self) -> tuple[Array, Array]:
+        ahead = self._span / self.length_m
+        return ahead, np.array([-ahead[1], ahead[0], 0.0])
