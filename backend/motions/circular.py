@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from backend.config import Config, PositiveFloat
-from backend.motions.belt import Point, horizontal_yaw_rad, path_world
+from backend.motions.belt import Heading, Point, level_pose, path_world, yaw_of
 from backend.pose import Array, Pose
 
 
 class CircularMotion(Config):
-    """An arc around ``center_m``; the tray keeps the orientation it starts with, facing its first velocity."""
+    """An arc around ``center_m``; the tray keeps facing the way it starts."""
 
     kind: Literal["circular"] = "circular"
     center_m: Point
@@ -33,20 +35,26 @@ class CircularMotion(Config):
     @property
     def yaw_rad(self) -> float:
         """Heading of the tray, always that of the first velocity."""
-        return horizontal_yaw_rad(self.velocity_at(0.0))
+        return yaw_of(self._ahead)
+
+    @cached_property
+    def _ahead(self) -> Heading:
+        angle = self.start_angle_rad
+        return -self.direction * math.sin(angle), self.direction * math.cos(angle)
 
     def pose_at(self, t_s: float) -> Pose:
         """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
         angle = self._angle_rad(min(max(t_s, 0.0), self.duration_s))
-        offset = self.radius_m * np.array([np.cos(angle), np.sin(angle), 0.0])
-        return Pose.from_xyz_yaw(self.center_m + offset, self.yaw_rad)
+        x, y, z = self.center_m
+        xyz_m = (x + self.radius_m * math.cos(angle), y + self.radius_m * math.sin(angle), z)
+        return level_pose(xyz_m, self._ahead)
 
     def velocity_at(self, t_s: float) -> Array:
         """(3,) m/s of the tray; zero before the start and from the end on."""
         if not 0.0 <= t_s < self.duration_s:
             return np.zeros(3)
         angle = self._angle_rad(t_s)
-        return self.direction * self.speed_mps * np.array([-np.sin(angle), np.cos(angle), 0.0])
+        return self.direction * self.speed_mps * np.array([-math.sin(angle), math.cos(angle), 0.0])
 
     def path_world(self, n: int) -> Array:
         """(n, 3) points of the way, evenly spaced in time."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+import math
+from functools import cached_property
+from typing import Literal, Self
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from backend.config import Config, PositiveFloat
-from backend.motions.belt import Point, horizontal_yaw_rad, path_world
+from backend.motions.belt import Heading, Point, heading, level_pose, path_world, yaw_of
 from backend.pose import Array, Pose
 
 
@@ -21,21 +23,21 @@ class LinearMotion(Config):
     end_m: Point
     start_speed_mps: PositiveFloat
     """Along the line, also where it is slanted."""
-    end_speed_mps: Annotated[float, Field(gt=0.0)]
+    end_speed_mps: PositiveFloat
 
     @model_validator(mode="after")
     def _has_a_heading(self) -> Self:
-        if np.hypot(*self._span[:2]) < 1e-6:
+        if math.dist(self.start_m[:2], self.end_m[:2]) < 1e-6:
             raise ValueError("start_m and end_m must differ in x or y")
         return self
 
-    @property
-    def _span(self) -> Array:
-        return np.subtract(self.end_m, self.start_m)
+    @cached_property
+    def _ahead(self) -> Heading:
+        return heading(self.start_m, self.end_m)
 
-    @property
+    @cached_property
     def length_m(self) -> float:
-        return float(np.linalg.norm(self._span))
+        return math.dist(self.start_m, self.end_m)
 
     @property
     def duration_s(self) -> float:
@@ -44,21 +46,23 @@ class LinearMotion(Config):
     @property
     def yaw_rad(self) -> float:
         """Heading of the motion, and of the tray."""
-        return horizontal_yaw_rad(self._span)
+        return yaw_of(self._ahead)
 
     def pose_at(self, t_s: float) -> Pose:
         """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
         t = min(max(t_s, 0.0), self.duration_s)
         acceleration = (self.end_speed_mps - self.start_speed_mps) / self.duration_s
         progress = (self.start_speed_mps + 0.5 * acceleration * t) * t / self.length_m
-        return Pose.from_xyz_yaw(self.start_m + progress * self._span, self.yaw_rad)
+        (x0, y0, z0), (x1, y1, z1) = self.start_m, self.end_m
+        xyz_m = (x0 + progress * (x1 - x0), y0 + progress * (y1 - y0), z0 + progress * (z1 - z0))
+        return level_pose(xyz_m, self._ahead)
 
     def velocity_at(self, t_s: float) -> Array:
         """(3,) m/s of the tray; zero before the start and from the end on."""
         if not 0.0 <= t_s < self.duration_s:
             return np.zeros(3)
         gained = (self.end_speed_mps - self.start_speed_mps) * t_s / self.duration_s
-        return (self.start_speed_mps + gained) * self._span / self.length_m
+        return (self.start_speed_mps + gained) * np.subtract(self.end_m, self.start_m) / self.length_m
 
     def path_world(self, n: int) -> Array:
         """(n, 3) points of the way, evenly spaced in time."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
 from typing import Literal, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from backend.config import Config, NonNegativeFloat, PositiveFloat
-from backend.motions.belt import Point, horizontal_yaw_rad, path_world
+from backend.motions.belt import Heading, Point, heading, level_pose, path_world, yaw_of
 from backend.pose import Array, Pose
 
 
@@ -33,18 +35,14 @@ class SinusoidalMotion(Config):
 
     @model_validator(mode="after")
     def _is_level(self) -> Self:
-        if np.hypot(*self._span[:2]) < 1e-6 or abs(self._span[2]) > 1e-9:
+        if math.dist(self.start_m[:2], self.end_m[:2]) < 1e-6 or self.start_m[2] != self.end_m[2]:
             raise ValueError("start_m and end_m must differ in x or y, and not in z")
         return self
 
-    @property
-    def _span(self) -> Array:
-        return np.subtract(self.end_m, self.start_m)
-
-    @property
+    @cached_property
     def length_m(self) -> float:
         """Of the axis."""
-        return float(np.linalg.norm(self._span))
+        return math.dist(self.start_m, self.end_m)
 
     @property
     def duration_s(self) -> float:
@@ -53,28 +51,29 @@ class SinusoidalMotion(Config):
     @property
     def yaw_rad(self) -> float:
         """Heading of the axis, and of the tray."""
-        return horizontal_yaw_rad(self._span)
+        return yaw_of(self._ahead)
 
     def pose_at(self, t_s: float) -> Pose:
         """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
         progress_m = self.speed_mps * min(max(t_s, 0.0), self.duration_s)
-        swing_m = self.amplitude_m * np.sin(2.0 * np.pi * progress_m / self.period_m)
-        ahead, left = self._axes()
-        return Pose.from_xyz_yaw(self.start_m + progress_m * ahead + swing_m * left, self.yaw_rad)
+        swing_m = self.amplitude_m * math.sin(2.0 * math.pi * progress_m / self.period_m)
+        (x, y, z), (ax, ay) = self.start_m, self._ahead
+        xyz_m = (x + progress_m * ax - swing_m * ay, y + progress_m * ay + swing_m * ax, z)
+        return level_pose(xyz_m, self._ahead)
 
     def velocity_at(self, t_s: float) -> Array:
         """(3,) m/s of the tray; zero before the start and from the end on."""
         if not 0.0 <= t_s < self.duration_s:
             return np.zeros(3)
-        wave_number = 2.0 * np.pi / self.period_m
-        slope = self.amplitude_m * wave_number * np.cos(wave_number * self.speed_mps * t_s)
-        ahead, left = self._axes()
-        return self.speed_mps * (ahead + slope * left)
+        wave_number = 2.0 * math.pi / self.period_m
+        slope = self.amplitude_m * wave_number * math.cos(wave_number * self.speed_mps * t_s)
+        ax, ay = self._ahead
+        return self.speed_mps * np.array([ax - slope * ay, ay + slope * ax, 0.0])
 
     def path_world(self, n: int) -> Array:
         """(n, 3) points of the way, evenly spaced in time."""
         return path_world(self, n)
 
-    def _axes(self) -> tuple[Array, Array]:
-        ahead = self._span / self.length_m
-        return ahead, np.array([-ahead[1], ahead[0], 0.0])
+    @cached_property
+    def _ahead(self) -> Heading:
+        return heading(self.start_m, self.end_m)

@@ -14,7 +14,7 @@ from backend.pose import Array
 
 @dataclass(frozen=True, eq=False)
 class ObjectDescription:
-    """A rigid body. Its frame: z up as it rests, origin at its lowest height, in the middle of its footprint."""
+    """A rigid body. Its frame: z up as it rests, origin at its bottom, in the middle of its footprint."""
 
     name: str
     title: str
