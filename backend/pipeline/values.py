@@ -137,6 +137,15 @@ class Plan:
     """State checks it cost."""
 
 
+@dataclass(frozen=True)
+class Refusal:
+    """An expected "no", with its reason in words."""
+
+    why: str
+    checks: int = 0
+    """State checks it cost, where a planner refused."""
+
+
 @dataclass(frozen=True, eq=False)
 class CycleResult:
     """Every room's output up to the first "no", and each room's time."""

@@ -1,0 +1,177 @@
+"""One control cycle: predict, convert, filter, pick, plan, retime, composed; every output and time is kept."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from backend.kinematics import Kinematics
+from backend.knowledge.grasps import GraspDatabase
+from backend.methods import Method
+from backend.pipeline.convert import convert
+from backend.pipeline.execute import ArmState
+from backend.pipeline.filter import RankContext, shortlist
+from backend.pipeline.pick import pick_nearest
+from backend.pipeline.plan import Planner, make_planner
+from backend.pipeline.predict import Predictor
+from backend.pipeline.retime import JointLimits, retime
+from backend.pipeline.think import ThinkTime
+from backend.pipeline.values import Candidate, CycleResult, PlanRequest, Refusal, Room
+from backend.pose import Array
+from backend.robots.description import RobotDescription
+from backend.sim.planning_scene import PlanningScene
+from backend.trajectory import Path, Trajectory
+
+CANDIDATES_TRIED = 3
+"""How many of the picked grasps a cycle plans for before it gives up."""
+
+
+@dataclass(frozen=True, eq=False)
+class CycleStart:
+    """What a cycle starts from."""
+
+    number: int
+    now_s: float
+    observed_s: float
+    arm_at: Callable[[float], ArmState]
+    """Where the arm will be at a simulated time, by the trajectory in force."""
+    held: Candidate | None
+    """The grasp the arm is moving to."""
+    previous: tuple[Path, Trajectory] | None
+    """The plan in force and its timing."""
+
+
+class Cycle:
+    """The rooms from predict to retime, furnished for one method, robot and object."""
+
+    def __init__(
+        self,
+        method: Method,
+        robot: RobotDescription,
+        limits: JointLimits,
+        kinematics: Kinematics,
+        scene: PlanningScene,
+        grasps: GraspDatabase,
+        think: ThinkTime,
+        rng: np.random.Generator,
+    ) -> None:
+        self.method = method
+        self.robot = robot
+        self.limits = limits
+        self.kinematics = kinematics
+        self.scene = scene
+        self._grasps = grasps
+        self._think = think
+        self._rng = rng
+        self._planner: Planner = make_planner(method.planner)
+
+    def run(self, start: CycleStart, predictor: Predictor) -> CycleResult:
+        """Think once. The result holds every room's output up to the first "no"."""
+        watch = _Stopwatch()
+        begun_s = time.perf_counter()
+        result = self._rooms(start, predictor, watch)
+        if self._think.overran(time.perf_counter() - begun_s) and result.refused_by is None:
+            result = replace(result, refused_by="retime", why="thinking took longer than it was given")
+        return replace(result, room_s=watch.room_s)
+
+    def _rooms(self, start: CycleStart, predictor: Predictor, watch: _Stopwatch) -> CycleResult:
+        ready_s = start.now_s + self._think.expected_s()
+        result = CycleResult(start.number, start.observed_s, start.now_s + self._think.refused_s(0))
+        with watch("predict"):
+            horizon_s = self.horizon_s(start, ready_s)
+            prediction = predictor.predict(np.array([ready_s, ready_s + horizon_s]))
+        if prediction is None:
+            return replace(result, refused_by="predict", why="the object has not been seen yet")
+        result = replace(result, prediction=prediction)
+        with watch("convert"):
+            candidates = convert(self._grasps, prediction.pose(1), self.robot.backoff_m)
+            self.scene.move_target(prediction.pose(1))
+        context = self._context(start, ready_s)
+        with watch("filter"):
+            short = shortlist(self.method.filter, candidates, context)
+        result = replace(result, shortlist=short)
+        if not short.kept:
+            return replace(result, refused_by="filter", why="no grasp of the database can be reached")
+        ik_calls = 2 * len(short.kept)
+        result = replace(
+            result, ik_calls=ik_calls, effective_s=start.now_s + self._think.refused_s(ik_calls)
+        )
+        with watch("pick"):
+            picked, refused = pick_nearest(short, context)
+        result = replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
+        if not picked:
+            return replace(result, refused_by="pick", why=next(iter(refused.values())))
+        result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))
+        return self._move(start, result, picked, watch)
+
+    def _move(
+        self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], watch: _Stopwatch
+    ) -> CycleResult:
+        """Plan and retime for the nearest grasp that lets itself be reached."""
+        arm = start.arm_at(result.effective_s)
+        seed_path = remaining(start.previous, arm)
+        for candidate in picked[:CANDIDATES_TRIED]:
+            result = replace(result, picked=candidate, seed_path=seed_path, refused_by=None, why="")
+            with watch("plan"):
+                goals = tuple(goal.q_pregrasp for goal in candidate.goals)
+                rng_seed = int(self._rng.integers(1, 2**31))
+                plan = self._planner.plan(PlanRequest(arm.q, goals, seed_path, rng_seed), self.scene)
+            if isinstance(plan, Refusal):
+                result = replace(result, refused_by="plan", why=plan.why)
+                continue
+            with watch("retime"):
+                trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer)
+            if isinstance(trajectory, Refusal):
+                result = replace(result, plan=plan, refused_by="retime", why=trajectory.why)
+                continue
+            return replace(result, plan=plan, trajectory=trajectory)
+        return result
+
+    def horizon_s(self, start: CycleStart, ready_s: float) -> float:
+        """How far beyond the end of thinking to look: the method's step function of the way still to go."""
+        h = self.method.horizon
+        if start.held is None:
+            return h.far_s
+        tcp = self.kinematics.fk(start.arm_at(ready_s).q)
+        d = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
+        return h.far_s if d > h.far_m else h.middle_s if d > h.near_m else h.near_s
+
+    def _context(self, start: CycleStart, ready_s: float) -> RankContext:
+        return RankContext(
+            kinematics=self.kinematics,
+            scene=self.scene,
+            q=start.arm_at(ready_s).q,
+            held=None if start.held is None else start.held.index,
+            lift_m=self.method.execution.lift_m,
+            rng=self._rng,
+        )
+
+
+def remaining(previous: tuple[Path, Trajectory] | None, arm: ArmState) -> Path | None:
+    """What is left of the previous path from where the arm will be: its state, then the waypoints still ahead."""
+    if previous is None:
+        return None
+    waypoints: Array = previous[0].waypoints
+    edges = np.diff(waypoints, axis=0)
+    lengths = np.maximum((edges**2).sum(axis=1), 1e-12)
+    along = np.clip(((arm.q - waypoints[:-1]) * edges).sum(axis=1) / lengths, 0.0, 1.0)
+    gaps = np.linalg.norm(waypoints[:-1] + along[:, None] * edges - arm.q, axis=1)
+    nearest = len(gaps) - 1 - int(np.argmin(gaps[::-1])) if len(gaps) else 0
+    return Path(np.vstack([arm.q, waypoints[nearest + 1 :]]))
+
+
+class _Stopwatch:
+    """Adds up the wall time spent in each room."""
+
+    def __init__(self) -> None:
+        self.room_s: dict[Room, float] = {}
+
+    @contextmanager
+    def __call__(self, room: Room) -> Iterator[None]:
+        begun_s = time.perf_counter()
+        yield
+        self.room_s[room] = self.room_s.get(room, 0.0) + time.perf_counter() - begun_s

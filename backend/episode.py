@@ -1,0 +1,213 @@
+"""Episode: the only loop. ``run()`` yields snapshots; headless and live drivers differ only in when they ask."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from typing import Self
+
+import numpy as np
+
+from backend.cycle import Cycle
+from backend.errors import SimulationError
+from backend.events import MoveObstacle, TimedEvent, WorldEvent
+from backend.kinematics import load_kinematics
+from backend.knowledge.grasps import load_grasps
+from backend.objects import load_object
+from backend.pilot import Pilot
+from backend.pipeline.execute import Executor
+from backend.pipeline.predict import make_predictor
+from backend.pipeline.retime import JointLimits
+from backend.pipeline.sense import Sensor
+from backend.pipeline.think import ThinkTime
+from backend.pipeline.values import Outcome
+from backend.pose import Pose
+from backend.record import Recorder
+from backend.robots.models import load_model
+from backend.scenario import Scenario
+from backend.sim.planning_scene import PlanningScene
+from backend.sim.world import World
+from backend.snapshot import SceneDescription, Snapshot
+from backend.tasks.judge import Judge
+
+STEPS_PER_TICK = 8
+"""Snapshots come at 30 Hz of simulated time."""
+
+
+class Episode:
+    """One trial: a world, the robot's belief about it, and the loop that lets the robot act."""
+
+    def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
+        self.scenario = scenario
+        self.seed = scenario.seed if seed is None else seed
+        self.recorder = Recorder(scenario, self.seed)
+        model = load_model(scenario.robot)
+        kinematics = load_kinematics(scenario.robot)
+        home = np.array(model.description.home_rad)
+        task_rng, sense_rng, cycle_rng = _generators(scenario, self.seed)
+        target = load_object(scenario.object)
+        setup = scenario.task.draw(task_rng, target, kinematics.spheres_world(home))
+        self.world = World(model, scenario.object, setup)
+        self._judge = Judge(self.world)
+        self._sensor = Sensor(scenario.sensing, sense_rng)
+        self._belief = _planning_scene(self.world, PlanningScene(kinematics))
+        profile = model.description.profiles[scenario.profile]
+        limits = JointLimits(np.array(profile.velocity_rps), np.array(profile.acceleration_rps2))
+        think = ThinkTime(scenario.timing)
+        grasps = load_grasps(scenario.robot, scenario.object)
+        cycle = Cycle(
+            scenario.method, model.description, limits, kinematics, self._belief, grasps, think, cycle_rng
+        )
+        executor = Executor(kinematics, limits.velocity_rps, scenario.method.execution, home)
+        predictor = make_predictor(scenario.method.predictor, self._true_object_pose)
+        self._pilot = Pilot(cycle, predictor, executor, think)
+        self._kinematics = kinematics
+        self._T_tray_object = self.world.tray_pose().inverse() @ self.world.object_pose()
+        self._tick = 0
+        self.scene = self._describe()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the physics client back."""
+        self.world.close()
+
+    def apply(self, event: WorldEvent) -> None:
+        """Let a live edit act before the next tick, and record it, so that the edited trial can be repeated."""
+        self._act(event)
+        self.recorder.event(TimedEvent(tick=self._tick, event=event))
+
+    def run(self) -> Iterator[Snapshot]:
+        """Yield a snapshot of the start and after every tick; the last one has an outcome."""
+        yield self._snapshot(None)
+        outcome: Outcome | None = None
+        while outcome is None:
+            try:
+                for timed in self.scenario.events:
+                    if timed.tick == self._tick:
+                        self._act(timed.event)
+                        self.recorder.event(timed)
+                outcome = self._advance()
+                self.recorder.tick(self.world.t_s, self.world.q(), self.world.object_pose())
+            except SimulationError as error:
+                outcome = Outcome(strict=False, authors=False, reason="error", detail=str(error))
+            self._tick += 1
+            if outcome is not None:
+                self.recorder.end(outcome, self.world.t_s, self._pilot.approach_start_s)
+            yield self._snapshot(outcome)
+
+    def _advance(self) -> Outcome | None:
+        """One tick of physics steps, cut short by the end of the trial."""
+        for _ in range(STEPS_PER_TICK):
+            t_s = self.world.t_s
+            self._sensor.look(self.world)
+            for observation in self._sensor.delivered(t_s):
+                self._pilot.observe(observation)
+            cycle = self._pilot.consider(t_s)
+            if cycle is not None:
+                self.recorder.cycle(cycle)
+            self.world.step(*self._pilot.executor.targets(t_s))
+            self._change_phase()
+            outcome = self._ended()
+            if outcome is not None:
+                return outcome
+        return None
+
+    def _change_phase(self) -> None:
+        executor = self._pilot.executor
+        before = executor.phase
+        executor.advance(self.world.t_s, self.world.gripper, self.world.finger_rad())
+        if executor.phase == "close" and before == "approach":
+            self._judge.note_grasp(self.world)
+        if executor.phase in ("lift", "hold"):
+            self._judge.note_height(self.world)
+        if executor.phase == "hold" and before == "lift":
+            self.recorder.lifted(self.world.t_s)
+
+    def _ended(self) -> Outcome | None:
+        """The outcome when the trial is over."""
+        phase = self._pilot.executor.phase
+        judge, world = self._judge, self.world
+        if phase == "done":
+            return judge.verdict(world, None, self._pilot.executor.lift_refusal or "")
+        if world.t_s >= self.scenario.timing.timeout_s:
+            return judge.verdict(world, "timeout", f"No grasp within {self.scenario.timing.timeout_s:g} s.")
+        if phase not in ("watch", "move", "approach"):
+            return None
+        if world.steps % STEPS_PER_TICK == 0 and judge.fallen(world):
+            return judge.verdict(world, "object_fell", "The object fell off the belt before it was grasped.")
+        if phase != "approach" and world.conveyor.at_end:
+            refusal = self._pilot.approach_refusal or _last_words(self._pilot)
+            return judge.verdict(world, self._pilot.furthest_failure(), f"The belt came to its end; {refusal}.")
+        return None
+
+    def _act(self, event: WorldEvent) -> None:
+        self.world.apply(event)
+        if isinstance(event, MoveObstacle):
+            pose = self.world.obstacle_poses()[event.index]
+            self._judge.obstacle_moved(event.index, pose)
+            self._belief.move_obstacle(event.index, pose)
+
+    def _true_object_pose(self, t_s: float) -> Pose:
+        """Where the object will be at ``t_s`` if it stays on the belt."""
+        return self.world.conveyor.pose_in(t_s - self.world.t_s) @ self._T_tray_object
+
+    def _describe(self) -> SceneDescription:
+        setup = self.world.setup
+        return SceneDescription(
+            robot=self.scenario.robot,
+            object=self.scenario.object,
+            tray_size_m=setup.tray_size_m,
+            belt_path_world=setup.motion.path_world(120),
+            obstacles=tuple(name for name, _ in setup.obstacles),
+            slab=setup.slab,
+            seed=self.seed,
+        )
+
+    def _snapshot(self, outcome: Outcome | None) -> Snapshot:
+        world = self.world
+        q = world.q()
+        obstacles = [pose.matrix for pose in world.obstacle_poses()]
+        return Snapshot(
+            tick=self._tick,
+            t_s=world.t_s,
+            phase=self._pilot.executor.phase,
+            q=q,
+            joints_rad=world.joints_rad(),
+            T_world_tcp=Pose(self._kinematics.fk(q)),
+            T_world_tray=world.tray_pose(),
+            T_world_object=world.object_pose(),
+            Ts_world_obstacle=np.array(obstacles).reshape(-1, 4, 4),
+            belt_rate=world.conveyor.rate,
+            cycle=self._pilot.result,
+            cycles=self._pilot.cycles,
+            outcome=outcome,
+        )
+
+
+def _generators(scenario: Scenario, seed: int) -> list[np.random.Generator]:
+    """Independent generators for task, sensing and cycle; the task's depends on nothing but robot, task, object."""
+    names = (scenario.robot, scenario.task.kind, scenario.object)
+    entropy = [seed, *(zlib.crc32(name.encode()) for name in names)]
+    return [np.random.default_rng(child) for child in np.random.SeedSequence(entropy).spawn(3)]
+
+
+def _planning_scene(world: World, scene: PlanningScene) -> PlanningScene:
+    """Tell the planner what stands around: the models are known (paper, section III), their poses are detected."""
+    for (name, _), pose in zip(world.setup.obstacles, world.obstacle_poses(), strict=True):
+        scene.add_object(load_object(name), pose)
+    if world.setup.slab is not None:
+        scene.add_box(world.setup.slab.size_m, world.setup.slab.T_world_box)
+    scene.set_target(world.object, world.object_pose(), world.setup.tray_size_m, world.tray_pose())
+    return scene
+
+
+def _last_words(pilot: Pilot) -> str:
+    """What the newest cycle had to say."""
+    if pilot.result is None:
+        return "the object was never seen"
+    return pilot.result.why or "the hand never came near enough to the grasp"

@@ -1,0 +1,170 @@
+"""Pilot: decides, with every new observation, whether to think again, to go in, or to correct the way in."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from backend.cycle import Cycle, CycleStart
+from backend.pipeline.execute import (
+    CLOSE_AT_MOST_S,
+    Approach,
+    ArmState,
+    Executor,
+    can_grasp,
+    plan_approach,
+    plan_lift,
+)
+from backend.pipeline.predict import Predictor
+from backend.pipeline.think import ThinkTime
+from backend.pipeline.values import (
+    Candidate,
+    CycleResult,
+    FailureReason,
+    Observation,
+    Refusal,
+)
+from backend.pose import Array
+from backend.trajectory import Path, Trajectory
+
+TRACKING_LAST_S = 0.25
+"""The approach is no longer corrected when less than this is left of it."""
+CHECK_EVERY = 4
+"""Knots of the approach between two collision checks, 1/15 s."""
+
+
+class Pilot:
+    """Algorithm 1 of the paper, between observations that come in and an executor that moves the arm."""
+
+    def __init__(self, cycle: Cycle, predictor: Predictor, executor: Executor, think: ThinkTime) -> None:
+        self.executor = executor
+        self.result: CycleResult | None = None
+        """The newest cycle."""
+        self.cycles = 0
+        self.approach_start_s: float | None = None
+        self.approach_refusal = ""
+        """Why the approach was last put off."""
+        self._cycle = cycle
+        self._predictor = predictor
+        self._think = think
+        self._observed_s = 0.0
+        self._fresh = False
+        self._busy_until_s = 0.0
+        self._held: Candidate | None = None
+        self._previous: tuple[Path, Trajectory] | None = None
+        self._got_to = 0
+
+    def observe(self, observation: Observation) -> None:
+        """Take in an observation; once the fingers close, the hand knows better than the eye."""
+        if self.executor.phase in ("watch", "move", "approach"):
+            self._predictor.observe(observation)
+            self._observed_s = observation.t_s
+            self._fresh = True
+
+    def consider(self, t_s: float) -> CycleResult | None:
+        """Act on what is new, if anything is and no thinking is under way; the cycle if there was one."""
+        if not self._fresh or t_s < self._busy_until_s - 1e-9:
+            return None
+        execution = self._cycle.method.execution
+        if self.executor.phase == "approach":
+            if execution.tracking and t_s < self.executor.arrive_s - TRACKING_LAST_S:
+                self._fresh = False
+                self._go_in(t_s, self.executor.arrive_s - t_s)
+            return None
+        if self.executor.phase not in ("watch", "move"):
+            return None
+        self._fresh = False
+        if self._near(t_s) and self._go_in(t_s, execution.approach_s):
+            return None
+        return self._think_once(t_s)
+
+    def furthest_failure(self) -> FailureReason:
+        """Why no approach was begun: the room that none of the cycles got past."""
+        reasons: tuple[FailureReason, ...] = ("never_reachable", "no_ik", "no_plan", "belt_end")
+        return reasons[self._got_to]
+
+    def _think_once(self, t_s: float) -> CycleResult:
+        start = CycleStart(
+            number=self.cycles,
+            now_s=t_s,
+            observed_s=self._observed_s,
+            arm_at=self.executor.arm_at,
+            held=self._held,
+            previous=self._previous,
+        )
+        result = self._cycle.run(start, self._predictor)
+        self.result = result
+        self.cycles += 1
+        self._busy_until_s = result.effective_s
+        self._got_to = max(self._got_to, _progress(result))
+        if result.plan is not None and result.trajectory is not None and result.refused_by is None:
+            self._held = result.picked
+            self._previous = (result.plan.path, result.trajectory)
+            self.executor.move_along(result.trajectory)
+        return result
+
+    def _near(self, t_s: float) -> bool:
+        """CanGrasp, for the moment at which an approach decided on now would begin."""
+        if self._held is None:
+            return False
+        begin_s = t_s + self._think.approach_s()
+        Ts_object = self._object_at(np.array([begin_s]))
+        grasp = Ts_object[0] @ self._held.T_object_grasp.matrix
+        tcp = self._cycle.kinematics.fk(self.executor.arm_at(begin_s).q)
+        return can_grasp(tcp, grasp, self._cycle.robot.backoff_m, self._cycle.method.execution)
+
+    def _go_in(self, t_s: float, shortest_s: float) -> bool:
+        """Begin or correct the approach; False when it, or the lift after it, cannot be done."""
+        assert self._held is not None
+        arm = self.executor.arm_at(t_s + self._think.approach_s())
+        approach = plan_approach(
+            self._cycle.kinematics,
+            self._cycle.limits.velocity_rps,
+            arm,
+            self._object_at,
+            self._held.T_object_grasp,
+            max(shortest_s - self._think.approach_s(), TRACKING_LAST_S),
+            CLOSE_AT_MOST_S,
+        )
+        refusal = approach if isinstance(approach, Refusal) else self._unsafe(approach)
+        if isinstance(approach, Refusal) or refusal is not None:
+            self.approach_refusal = "" if refusal is None else refusal.why
+            return False
+        if self.approach_start_s is None:
+            self.approach_start_s = arm.t_s
+        self.executor.begin_approach(approach)
+        self._busy_until_s = arm.t_s
+        return True
+
+    def _unsafe(self, approach: Approach) -> Refusal | None:
+        """Why the way in, or the lift that follows it, cannot be done; None when both can."""
+        scene = self._cycle.scene
+        trajectory = approach.trajectory
+        going_in = trajectory.q[trajectory.t_s <= approach.arrive_s + 1e-9][::-CHECK_EVERY]
+        free = scene.free_many(going_in, target=False)
+        if not free.all():
+            blocked = going_in[int(np.argmin(free))]
+            return Refusal(f"approach: {scene.why_blocked(blocked, target=False)}")
+        q, qd = trajectory.sample(approach.arrive_s)
+        lift_m = self._cycle.method.execution.lift_m
+        arm = ArmState(q, qd, approach.arrive_s)
+        lift = plan_lift(self._cycle.kinematics, self._cycle.limits.velocity_rps, arm, lift_m)
+        return lift if isinstance(lift, Refusal) else None
+
+    def _object_at(self, t_s: Array) -> Array:
+        """(n, 4, 4) predicted poses at simulated times (n,)."""
+        prediction = self._predictor.predict(t_s)
+        assert prediction is not None
+        return prediction.Ts_world_object
+
+
+def _progress(result: CycleResult) -> int:
+    """How far a cycle got: 0 no grasp reachable, 1 none picked, 2 none planned, 3 a trajectory."""
+    match result.refused_by:
+        case "sense" | "predict" | "convert" | "filter":
+            return 0
+        case "pick":
+            return 1
+        case "plan" | "retime":
+            return 2
+        case None:
+            return 3

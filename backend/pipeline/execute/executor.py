@@ -1,0 +1,96 @@
+"""Execute: joint targets for every physics step, and the order of watch, move, approach, close, lift and hold."""
+
+from backend.kinematics import Kinematics
+from backend.methods.method import Execution
+from backend.pipeline.execute.approach import Approach
+from backend.pipeline.execute.cartesian import ArmState
+from backend.pipeline.execute.lift import plan_lift
+from backend.pipeline.values import Phase, Refusal
+from backend.pose import Array
+from backend.sim.bullet import GripperDrive
+from backend.trajectory import Trajectory
+
+CLOSE_AT_MOST_S = 1.2
+"""The fingers have met whatever they will meet by then."""
+STALLED_RPS = 0.02
+"""Slower than this, closing fingers press on something."""
+STALLED_FOR_S = 0.1
+
+
+class Executor:
+    """Holds the trajectory in force, the one that takes over next, and the phase."""
+
+    def __init__(self, kinematics: Kinematics, velocity_rps: Array, config: Execution, home: Array) -> None:
+        self.phase: Phase = "watch"
+        self.arrive_s = 0.0
+        """When the approach under way reaches the grasp."""
+        self.lift_refusal: str | None = None
+        self._kinematics = kinematics
+        self._velocity_rps = velocity_rps
+        self._config = config
+        self._current = Trajectory.hold(home, 0.0)
+        self._next: Trajectory | None = None
+        self._close_s = 0.0
+        self._stalled_since_s: float | None = None
+        self._finger_rad = 0.0
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The trajectory in force."""
+        return self._current
+
+    def arm_at(self, t_s: float) -> ArmState:
+        """Where the arm will be commanded to be at ``t_s``, as far as is decided now."""
+        upcoming = self._next
+        trajectory = upcoming if upcoming is not None and t_s >= upcoming.start_s else self._current
+        return ArmState(*trajectory.sample(t_s), t_s)
+
+    def move_along(self, trajectory: Trajectory) -> None:
+        """Take over ``trajectory`` at its start."""
+        self._next = trajectory
+        if self.phase == "watch":
+            self.phase = "move"
+
+    def begin_approach(self, approach: Approach) -> None:
+        """Go in; a later call while approaching corrects the way."""
+        self._next = approach.trajectory
+        self.arrive_s = approach.arrive_s
+        self.phase = "approach"
+
+    def targets(self, t_s: float) -> tuple[Array, Array]:
+        """(q, qd) for the physics step that begins at ``t_s``."""
+        if self._next is not None and t_s >= self._next.start_s - 1e-9:
+            self._current, self._next = self._next, None
+        return self._current.sample(t_s)
+
+    def advance(self, t_s: float, gripper: GripperDrive, finger_rad: float) -> None:
+        """Go on to the next phase when its time has come; ``finger_rad`` is where the master joint really is."""
+        if self.phase == "approach" and t_s >= self.arrive_s:
+            self.phase = "close"
+            self._close_s = t_s
+            gripper.close()
+        elif self.phase == "close" and self._closed(t_s, finger_rad):
+            self._lift(t_s)
+        elif self.phase == "lift" and t_s >= self._current.end_s and self._next is None:
+            self.phase = "hold"
+        elif self.phase == "hold" and t_s >= self._current.end_s + self._config.hold_s:
+            self.phase = "done"
+        self._finger_rad = finger_rad
+
+    def _closed(self, t_s: float, finger_rad: float) -> bool:
+        """Whether the fingers have stopped on something, or have had their time."""
+        moving = abs(finger_rad - self._finger_rad) * 240.0 > STALLED_RPS
+        since = self._stalled_since_s
+        self._stalled_since_s = None if moving else (t_s if since is None else since)
+        closing_s = t_s - self._close_s
+        stalled = self._stalled_since_s is not None and t_s - self._stalled_since_s >= STALLED_FOR_S
+        return closing_s >= self._config.close_s and (stalled or closing_s >= CLOSE_AT_MOST_S)
+
+    def _lift(self, t_s: float) -> None:
+        lift = plan_lift(self._kinematics, self._velocity_rps, self.arm_at(t_s), self._config.lift_m)
+        if isinstance(lift, Refusal):
+            self.lift_refusal = lift.why
+            self.phase = "hold"
+            return
+        self._next = lift
+        self.phase = "lift"

@@ -1,0 +1,18 @@
+"""filter: Candidates -> Shortlist. One file per way to rank."""
+
+from backend.methods.method import FilterConfig, IkFilter, RandomFilter
+from backend.pipeline.filter.ik import shortlist_by_ik
+from backend.pipeline.filter.random import shortlist_random
+from backend.pipeline.filter.ranking import RankContext
+from backend.pipeline.values import Candidates, Shortlist
+
+__all__ = ["RankContext", "shortlist"]
+
+
+def shortlist(config: FilterConfig, candidates: Candidates, context: RankContext) -> Shortlist:
+    """Rank ``candidates`` as ``config`` says."""
+    match config:
+        case IkFilter():
+            return shortlist_by_ik(config, candidates, context)
+        case RandomFilter():
+            return shortlist_random(config, candidates, context)

@@ -1,0 +1,23 @@
+"""What every filter is given beside the candidates."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from backend.kinematics import Kinematics
+from backend.pose import Array
+from backend.sim.planning_scene import PlanningScene
+
+
+@dataclass(frozen=True, eq=False)
+class RankContext:
+    """The arm, its surroundings and chance."""
+
+    kinematics: Kinematics
+    scene: PlanningScene
+    q: Array
+    """(dof,) rad, where the arm will be when the result takes effect."""
+    held: int | None
+    """Index of the grasp the arm is moving to."""
+    lift_m: float
+    rng: np.random.Generator

@@ -1,0 +1,63 @@
+"""PickGrasp: the shortlisted grasps in order of their distance in joint space, over all IK branches."""
+
+import numpy as np
+
+from backend.pipeline.filter.ranking import RankContext
+from backend.pipeline.reach import joint_goal
+from backend.pipeline.values import Candidate, JointGoal, Shortlist
+from backend.pose import Array, Pose
+
+BRANCHES = 4
+HELD_DISCOUNT = 0.7
+"""The grasp the arm is moving to counts as this much nearer, so that it is not left for a trifle."""
+
+
+def pick_nearest(shortlist: Shortlist, context: RankContext) -> tuple[tuple[Candidate, ...], dict[int, str]]:
+    """The reachable grasps of the shortlist, nearest first, and why the others are not."""
+    picked: list[Candidate] = []
+    refused: dict[int, str] = {}
+    for index in shortlist.kept:
+        goals, why = _goals(shortlist, index, context)
+        if not goals:
+            refused[index] = why
+            continue
+        c = shortlist.candidates
+        picked.append(
+            Candidate(
+                index=index,
+                T_object_grasp=Pose(c.Ts_object_grasp[index]),
+                T_world_grasp=Pose(c.Ts_world_grasp[index]),
+                T_world_pregrasp=Pose(c.Ts_world_pregrasp[index]),
+                goals=tuple(goals),
+                joint_distance_rad=distance_rad(goals[0], context.q),
+            )
+        )
+
+    def cost(candidate: Candidate) -> tuple[float, int]:
+        discount = HELD_DISCOUNT if candidate.index == context.held else 1.0
+        return discount * candidate.joint_distance_rad, candidate.index
+
+    return tuple(sorted(picked, key=cost)), refused
+
+
+def distance_rad(goal: JointGoal, q: Array) -> float:
+    """``|q_pregrasp - q| + |q_grasp - q|``."""
+    return float(np.linalg.norm(goal.q_pregrasp - q) + np.linalg.norm(goal.q_grasp - q))
+
+
+def _goals(shortlist: Shortlist, index: int, context: RankContext) -> tuple[list[JointGoal], str]:
+    """Joint goals on distinct branches, nearest first; the last reason in words when there is none."""
+    why = "pregrasp out of reach"
+    goals: list[JointGoal] = list(shortlist.branches.get(index, ()))
+    known = [goal.q_pregrasp for goal in goals]
+    T_pregrasp = shortlist.candidates.Ts_world_pregrasp[index]
+    for q_pregrasp in context.kinematics.ik_branches(T_pregrasp, context.q, BRANCHES):
+        if any(np.abs(q_pregrasp - q).max() < 0.05 for q in known):
+            continue
+        T_grasp = shortlist.candidates.Ts_world_grasp[index]
+        goal = joint_goal(context.kinematics, context.scene, T_grasp, q_pregrasp, context.lift_m)
+        if isinstance(goal, str):
+            why = goal
+        else:
+            goals.append(goal)
+    return sorted(goals, key=lambda goal: distance_rad(goal, context.q)), why

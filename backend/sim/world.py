@@ -1,0 +1,163 @@
+"""World: what is really happening, in one PyBullet client that lives as long as the episode."""
+
+from __future__ import annotations
+
+from typing import Self
+
+import numpy as np
+
+from backend.errors import InvalidInputError, SimulationError
+from backend.events import MoveObstacle, SetBeltRate, WorldEvent
+from backend.objects import load_object
+from backend.pose import Array, Pose
+from backend.robots.models import RobotModel
+from backend.sim.bullet import STEP_S, Bullet, GripperDrive
+from backend.sim.conveyor import Conveyor
+from backend.tasks.setup import TrialSetup
+
+TRAY_MASS_KG = 20.0
+TRAY_FORCE_N = 2e4
+SETTLE_S = 2.0
+REST_SPEED_MPS = 1e-4
+DIVERGED_M = 5.0
+
+
+class World:
+    """Arm, hand, tray, object, obstacles and slab; stepped at 240 Hz and the same bit for bit every time."""
+
+    def __init__(self, model: RobotModel, object_name: str, setup: TrialSetup) -> None:
+        self.model = model
+        self.object = load_object(object_name)
+        self.setup = setup
+        self.conveyor = Conveyor(setup.motion)
+        self.steps = 0
+        self._bullet = Bullet()
+        self._floor = self._bullet.add_floor()
+        home = np.array(model.description.home_rad)
+        self._robot = self._bullet.add_robot(model, home, model.description.gripper.open_rad)
+        self.gripper = GripperDrive(model.description.gripper)
+        self._tray_center = Pose.of((0.0, 0.0, -setup.tray_size_m[2] / 2))
+        T_world_tray = self.conveyor.pose()
+        self._tray = self._bullet.add_box(
+            setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG
+        )
+        self._tie = self._bullet.tie_to_world(self._tray, T_world_tray @ self._tray_center, TRAY_FORCE_N)
+        self._bullet.ignore_contacts(self._tray, "", self._robot.body, "base_link")
+        self._bullet.ignore_contacts(self._tray, "", self._floor, "")
+        T_tray_object = Pose.from_xyz_yaw((0.0, 0.0, 0.0), setup.object_yaw_rad)
+        self._target = self._bullet.add_object(self.object, T_world_tray @ T_tray_object)
+        self._obstacles = [self._bullet.add_object(load_object(n), pose) for n, pose in setup.obstacles]
+        if setup.slab is not None:
+            self._slab = self._bullet.add_box(setup.slab.size_m, setup.slab.T_world_box)
+        self._settle(home)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Give the client back; the world can't be used afterwards."""
+        self._bullet.close()
+
+    @property
+    def t_s(self) -> float:
+        """Simulated time since the belt started."""
+        return self.steps * STEP_S
+
+    def step(self, q: Array, qd: Array) -> None:
+        """One physics step towards joint positions ``q`` (dof,) rad moving at ``qd`` (dof,) rad/s."""
+        self.conveyor.advance(STEP_S)
+        self._bullet.move_tie(self._tie, self.conveyor.pose() @ self._tray_center)
+        self._robot.command(q, qd)
+        self._robot.command_gripper(self.gripper.update(STEP_S))
+        self._bullet.step()
+        self.steps += 1
+
+    def apply(self, event: WorldEvent) -> None:
+        """Carry out a live edit; raises ``InvalidInputError`` for an obstacle that does not exist."""
+        match event:
+            case SetBeltRate():
+                self.conveyor.request_rate(event.rate)
+            case MoveObstacle():
+                if event.index >= len(self._obstacles):
+                    there = len(self._obstacles)
+                    raise InvalidInputError(f"There is no obstacle {event.index}; this scene has {there}.")
+                pose = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
+                self._bullet.set_pose(self._obstacles[event.index], pose)
+                self._bullet.set_velocity(self._obstacles[event.index], np.zeros(3), np.zeros(3))
+
+    def q(self) -> Array:
+        """(dof,) rad."""
+        return self._robot.q()
+
+    def qd(self) -> Array:
+        """(dof,) rad/s."""
+        return self._robot.qd()
+
+    def finger_rad(self) -> float:
+        """Angle of the hand's master joint."""
+        return self._robot.joints_rad()[self.model.description.gripper.master_joint]
+
+    def joints_rad(self) -> dict[str, float]:
+        """Every movable joint of arm and hand."""
+        return self._robot.joints_rad()
+
+    def object_pose(self) -> Pose:
+        """T_world_object; raises ``SimulationError`` when the physics has diverged."""
+        pose = self._bullet.pose(self._target)
+        if not np.abs(pose.xyz_m).max() < DIVERGED_M:
+            raise SimulationError(f"The object is at {pose.xyz_m} m: the simulation diverged.")
+        return pose
+
+    def object_velocity(self) -> tuple[Array, Array]:
+        """Linear (3,) m/s and angular (3,) rad/s."""
+        return self._bullet.velocity(self._target)
+
+    def tray_pose(self) -> Pose:
+        """T_world_tray, middle of the top face, as the physics has it."""
+        return self._bullet.pose(self._tray) @ self._tray_center.inverse()
+
+    def tray_velocity(self) -> Array:
+        """(3,) m/s as the physics has it."""
+        return self._bullet.velocity(self._tray)[0]
+
+    def obstacle_poses(self) -> list[Pose]:
+        """T_world_obstacle of each."""
+        return [self._bullet.pose(body) for body in self._obstacles]
+
+    def touching_object(self) -> tuple[set[str], bool]:
+        """Names of the robot's links in contact with the object, and whether anything else touches it."""
+        links: set[str] = set()
+        others = False
+        for contact in self._bullet.contacts(self._target):
+            if contact.distance_m > 0.0:
+                continue
+            other, link = (
+                (contact.body_b, contact.link_b)
+                if contact.body_a == self._target
+                else (contact.body_a, contact.link_a)
+            )
+            if other == self._robot.body:
+                links.add(link)
+            else:
+                others = True
+        return links, others
+
+    def _settle(self, home: Array) -> None:
+        """Let everything come to rest on the standing belt, then set the belt and its load in motion."""
+        still = np.zeros_like(home)
+        quiet = 0
+        for _ in range(int(SETTLE_S / STEP_S)):
+            self._robot.command(home, still)
+            self._robot.command_gripper(self.gripper.update(STEP_S))
+            self._bullet.step()
+            bodies = [self._target, *self._obstacles]
+            speed = max(float(np.abs(np.concatenate(self._bullet.velocity(b))).max()) for b in bodies)
+            quiet = quiet + 1 if speed < REST_SPEED_MPS else 0
+            if quiet >= 24:
+                break
+        velocity = self.conveyor.velocity_mps()
+        for body in (self._tray, self._target):
+            self._bullet.set_velocity(body, velocity, np.zeros(3))
