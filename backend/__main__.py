@@ -1,0 +1,8 @@
+"""The headless command line: trial, survey, replay, build, bench, info."""
+
+import sys
+
+from backend.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,72 @@
+"""The commands of ``python -m backend``. Each command imports what it needs when it runs, so help is instant."""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from backend import __version__
+from backend.errors import GraspingError
+
+INTERRUPTED = 130
+MISUSE = 2
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; 0 when it succeeded, 1 when a trial failed, 2 for misuse, 130 when interrupted."""
+    options = _parser().parse_args(arguments)
+    try:
+        return importlib.import_module(f"backend.cli.{options.command}").run(options)
+    except GraspingError as error:
+        print(f"{options.command}: {error}", file=sys.stderr)
+        return MISUSE
+    except KeyboardInterrupt:
+        print(f"\n{options.command}: interrupted; nothing was left half-written.", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m backend", description="Grasp moving objects, headless.")
+    parser.add_argument("--version", action="version", version=__version__)
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+
+    trial = commands.add_parser("trial", help="run one trial")
+    trial.add_argument("scenario", help="name of a file in scenarios/, or the path of one")
+    trial.add_argument("--seed", type=int, help="which trial; default: the scenario's seed")
+    trial.add_argument("--set", dest="overrides", action="append", default=[], metavar="PATH=VALUE")
+    trial.add_argument("--trace", metavar="FILE", help="write the whole trial to FILE, for `replay`")
+    _json(trial)
+
+    replay = commands.add_parser("replay", help="run a traced trial again and compare it")
+    replay.add_argument("trace", metavar="FILE")
+    _json(replay)
+
+    survey = commands.add_parser("survey", help="success of scenarios x objects x seeds, with reasons")
+    survey.add_argument("--scenarios", nargs="+", metavar="NAME", help="default: all")
+    survey.add_argument("--objects", nargs="+", metavar="NAME", help="default: all")
+    survey.add_argument("--seeds", type=int, default=5, metavar="N", help="seeds 0 to N-1 (default 5)")
+    survey.add_argument("--set", dest="overrides", action="append", default=[], metavar="PATH=VALUE")
+    survey.add_argument("--workers", type=int, default=None, metavar="N", help="default: one per core")
+    survey.add_argument("--out", metavar="FILE", help="write every trial as a line of JSON")
+    _json(survey)
+
+    build = commands.add_parser("build", help="make what the robot knows beforehand")
+    build.add_argument("what", choices=["grasps"])
+    build.add_argument("--robot", metavar="NAME", help="default: all")
+    build.add_argument("--object", metavar="NAME", help="default: all")
+    build.add_argument("--seed", type=int, default=0)
+    build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100)")
+    _json(build)
+
+    bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio")
+    bench.add_argument("--scenario", default="ur5_linear")
+    bench.add_argument("--trials", type=int, default=5, metavar="N")
+    _json(bench)
+
+    info = commands.add_parser("info", help="list robots, objects, tasks, methods, scenarios and versions")
+    _json(info)
+    return parser
+
+
+def _json(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--json", action="store_true", help="print one JSON object on stdout")
