@@ -1,0 +1,115 @@
+"""Every predictor: exact on a still object, never sees the future, takes dropouts; good ones follow a belt."""
+
+import numpy as np
+import pytest
+
+from backend.methods.method import ConstantVelocity, Kalman, LastPose, Oracle, PredictorConfig
+from backend.motions import CircularMotion, LinearMotion
+from backend.pipeline.predict import Predictor, make_predictor
+from backend.pipeline.values import Observation
+from backend.pose import Pose
+
+CAUSAL: list[PredictorConfig] = [ConstantVelocity(), Kalman(), LastPose()]
+LINE = LinearMotion(start_m=(0.4, -0.5, 0.02), end_m=(0.4, 0.5, 0.02), start_speed_mps=0.05, end_speed_mps=0.05)
+CIRCLE = CircularMotion(
+    center_m=(0.0, 0.0, 0.02), radius_m=0.4, start_angle_rad=0.3, direction=1, length_m=1.0, speed_mps=0.03
+)
+
+
+def observation(t_s: float, pose: Pose | None) -> Observation:
+    return Observation(t_s, np.zeros(6), np.zeros(6), pose)
+
+
+def forbidden(t_s: float) -> Pose:
+    raise AssertionError("a causal predictor asked for the truth")
+
+
+def watched(config: PredictorConfig, motion: LinearMotion | CircularMotion, until_s: float, noise_m: float = 0.0):
+    predictor = make_predictor(config, forbidden)
+    rng = np.random.default_rng(0)
+    for t_s in np.arange(0.0, until_s + 1e-9, 0.05):
+        pose = motion.pose_at(float(t_s))
+        seen = Pose.of(pose.xyz_m + noise_m * rng.standard_normal(3), pose.wxyz)
+        predictor.observe(observation(float(t_s), seen))
+    return predictor
+
+
+def error_m(predictor: Predictor, motion: LinearMotion | CircularMotion, t_s: float) -> float:
+    prediction = predictor.predict(np.array([t_s]))
+    assert prediction is not None
+    return float(np.linalg.norm(prediction.Ts_world_object[0, :3, 3] - motion.pose_at(t_s).xyz_m))
+
+
+@pytest.mark.parametrize("config", CAUSAL, ids=lambda c: c.kind)
+def test_a_still_object_is_predicted_exactly(config: PredictorConfig):
+    pose = Pose.from_xyz_rpy((0.3, -0.2, 0.1), (0.02, -0.01, 3.1))
+    predictor = make_predictor(config, forbidden)
+    for k in range(20):
+        predictor.observe(observation(0.05 * k, pose))
+    prediction = predictor.predict(np.array([1.0, 3.0]))
+    assert prediction is not None
+    np.testing.assert_allclose(prediction.Ts_world_object, [pose.matrix, pose.matrix], atol=1e-9)
+    np.testing.assert_allclose(prediction.velocity_mps, 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("config", CAUSAL, ids=lambda c: c.kind)
+def test_nothing_is_predicted_before_the_first_detection(config: PredictorConfig):
+    predictor = make_predictor(config, forbidden)
+    predictor.observe(observation(0.0, None))
+    assert predictor.predict(np.array([1.0])) is None
+
+
+@pytest.mark.parametrize("config", CAUSAL, ids=lambda c: c.kind)
+def test_a_dropout_changes_nothing_but_what_it_hides(config: PredictorConfig):
+    with_gap, without = make_predictor(config, forbidden), make_predictor(config, forbidden)
+    for k in range(30):
+        pose = LINE.pose_at(0.05 * k)
+        with_gap.observe(observation(0.05 * k, pose))
+        without.observe(observation(0.05 * k, pose))
+        with_gap.observe(observation(0.05 * k + 0.01, None))
+    a, b = with_gap.predict(np.array([2.0])), without.predict(np.array([2.0]))
+    assert a is not None and b is not None
+    np.testing.assert_array_equal(a.Ts_world_object, b.Ts_world_object)
+
+
+@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman()], ids=lambda c: c.kind)
+def test_a_straight_belt_is_followed(config: PredictorConfig):
+    assert error_m(watched(config, LINE, 2.0), LINE, 4.0) < 2e-3
+
+
+@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman()], ids=lambda c: c.kind)
+def test_prediction_beats_none_on_a_circle(config: PredictorConfig):
+    assert error_m(watched(config, CIRCLE, 3.0), CIRCLE, 4.0) < 0.2 * error_m(
+        watched(LastPose(), CIRCLE, 3.0), CIRCLE, 4.0
+    )
+
+
+def test_kalman_smooths_noise_better_than_two_points_would():
+    noisy = watched(Kalman(measurement_std_m=0.005), LINE, 4.0, noise_m=0.005)
+    assert error_m(noisy, LINE, 5.0) < 0.01
+
+
+@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman()], ids=lambda c: c.kind)
+def test_a_yaw_that_passes_half_a_turn_does_not_jump(config: PredictorConfig):
+    predictor = make_predictor(config, forbidden)
+    for k in range(40):
+        predictor.observe(observation(0.05 * k, Pose.from_xyz_yaw((0.3, 0.0, 0.02), 2.9 + 0.3 * 0.05 * k)))
+    prediction = predictor.predict(np.array([2.95]))
+    assert prediction is not None
+    expected = Pose.from_xyz_yaw((0.3, 0.0, 0.02), 2.9 + 0.3 * 2.95)
+    np.testing.assert_allclose(prediction.Ts_world_object[0], expected.matrix, atol=0.02)
+
+
+def test_kalman_knows_less_the_further_it_looks():
+    prediction = watched(Kalman(), LINE, 1.0).predict(np.array([1.0, 2.0, 3.0]))
+    assert prediction is not None
+    assert (np.diff(prediction.position_std_m) > 0).all()
+
+
+def test_the_oracle_says_the_truth():
+    predictor = make_predictor(Oracle(), CIRCLE.pose_at)
+    predictor.observe(observation(1.0, CIRCLE.pose_at(1.0)))
+    prediction = predictor.predict(np.array([5.0]))
+    assert prediction is not None
+    np.testing.assert_array_equal(prediction.Ts_world_object[0], CIRCLE.pose_at(5.0).matrix)
+    assert np.linalg.norm(prediction.velocity_mps) == pytest.approx(0.03, rel=1e-3)
