@@ -1,0 +1,16 @@
+"""The HTTP interface, version 1: what exists, what runs, and commands to it."""
+
+from fastapi import APIRouter
+
+from app.api.health import health_router
+from app.api.scenarios import scenarios_router
+from app.api.session import session_router
+from app.session import Session
+
+
+def api_router(session: Session) -> APIRouter:
+    """Everything under /api/v1."""
+    router = APIRouter(prefix="/api/v1")
+    for part in (health_router(session), scenarios_router(session.engine), session_router(session)):
+        router.include_router(part)
+    return router

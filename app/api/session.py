@@ -1,0 +1,107 @@
+"""The running trial: its state, and commands to it."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Body
+from pydantic import BaseModel
+
+from app.commands import Command
+from app.session import Session, SessionState, Status
+from backend.pipeline.values import FailureReason, Phase
+
+
+class OutcomeState(BaseModel):
+    """How the trial ended."""
+
+    strict: bool
+    authors: bool
+    reason: FailureReason | None
+    detail: str
+
+
+class CrashState(BaseModel):
+    """Why the simulation process ended."""
+
+    cause: str
+    traceback: str
+
+
+class State(BaseModel):
+    """Answer of /session. What no trial has reached yet is null."""
+
+    simulation: Status
+    loading: bool
+    scenario: str
+    title: str
+    robot: str
+    object: str
+    method: str
+    seed: int
+    overrides: dict[str, bool | int | float | str]
+    paused: bool
+    speed: float | None
+    real_time_factor: float
+    run: int | None
+    tick: int | None
+    t_s: float | None
+    phase: Phase | None
+    cycles: int | None
+    belt_rate: float | None
+    object_m: tuple[float, float, float] | None
+    outcome: OutcomeState | None
+    crash: CrashState | None
+    refused_commands: int
+    last_refusal: str
+
+
+def session_router(session: Session) -> APIRouter:
+    """GET /session and POST /session/commands."""
+    router = APIRouter(tags=["session"])
+
+    @router.get("/session")
+    def state() -> State:
+        return describe(session.state)
+
+    @router.post("/session/commands", status_code=202)
+    def command(command: Annotated[Command, Body()]) -> State:
+        session.send(command)
+        return describe(session.state)
+
+    return router
+
+
+def describe(state: SessionState) -> State:
+    """``state`` in plain figures."""
+    snapshot, outcome = state.snapshot, state.snapshot.outcome if state.snapshot else None
+    object_m = snapshot.T_world_object.xyz_m.tolist() if snapshot else None
+    return State(
+        simulation=state.status,
+        loading=state.loading,
+        scenario=state.info.scenario,
+        title=state.info.title,
+        robot=state.info.robot,
+        object=state.info.object,
+        method=state.info.method,
+        seed=state.restart.seed,
+        overrides=state.restart.overrides,
+        paused=state.pace.paused,
+        speed=state.pace.speed,
+        real_time_factor=state.pace.real_time_factor,
+        run=state.started.run if state.started else None,
+        tick=snapshot.tick if snapshot else None,
+        t_s=snapshot.t_s if snapshot else None,
+        phase=snapshot.phase if snapshot else None,
+        cycles=snapshot.cycles if snapshot else None,
+        belt_rate=snapshot.belt_rate if snapshot else None,
+        object_m=tuple(object_m) if object_m else None,
+        outcome=OutcomeState(
+            strict=outcome.strict, authors=outcome.authors, reason=outcome.reason, detail=outcome.detail
+        )
+        if outcome
+        else None,
+        crash=CrashState(cause=state.crash.cause, traceback=state.crash.traceback) if state.crash else None,
+        refused_commands=state.refusals[0],
+        last_refusal=state.refusals[1],
+    )

@@ -1,0 +1,41 @@
+"""What a browser may say to viser: a viewer's messages, never those that open tunnels or set internals."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import msgspec
+
+ALLOWED = frozenset(
+    {
+        "ViewerCameraMessage",
+        "GuiUpdateMessage",
+        "GuiFormSubmitMessage",
+        "GuiFormDirtyMessage",
+        "CommandTriggerMessage",
+        "ScenePointerMessage",
+        "SceneNodeClickMessage",
+        "SceneNodeDragMessage",
+        "TransformControlsUpdateMessage",
+        "TransformControlsDragStartMessage",
+        "TransformControlsDragEndMessage",
+        "GetRenderResponseMessage",
+    }
+)
+
+
+def is_allowed(raw: bytes) -> bool:
+    """Whether ``raw`` is a well-formed viewer message of a kind that this page uses."""
+    try:
+        message: object = msgspec.msgpack.decode(raw)
+    except msgspec.DecodeError:
+        return False
+    if not isinstance(message, dict):
+        return False
+    fields = cast("dict[object, object]", message)
+    if fields.get("type") not in ALLOWED:
+        return False
+    if fields["type"] == "GuiUpdateMessage":
+        updates = fields.get("updates")
+        return isinstance(updates, dict) and set(cast("dict[object, object]", updates)) == {"value"}
+    return True

@@ -1,0 +1,68 @@
+"""Reports: what the simulation process tells the server."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.commands import Restart
+from backend.pose import Array
+from backend.snapshot import SceneDescription, Snapshot
+
+
+@dataclass(frozen=True, eq=False)
+class Started:
+    """A new episode is running."""
+
+    run: int
+    """Counts the episodes of this process, from 1."""
+    restart: Restart
+    scene: SceneDescription
+
+
+@dataclass(frozen=True, eq=False)
+class Traces:
+    """Ways of the tcp in the world, for drawing."""
+
+    plan_m: Array | None
+    """(n, 3) the current plan."""
+    seed_m: Array | None
+    """(n, 3) the earlier plan that seeded it."""
+
+
+@dataclass(frozen=True, eq=False)
+class Progress:
+    """A tick. To save traffic the cycle travels only once: None means that it is the one reported before."""
+
+    run: int
+    snapshot: Snapshot
+    traces: Traces | None
+    """Comes with every new cycle."""
+
+
+@dataclass(frozen=True)
+class Pace:
+    """How time passes."""
+
+    paused: bool
+    speed: float | None
+    """Asked simulated seconds per second; None is as fast as it goes."""
+    real_time_factor: float
+    """Reached simulated seconds per second over the last second; 0 while nothing moves."""
+
+
+@dataclass(frozen=True)
+class Refused:
+    """A command that could not be carried out; the simulation goes on."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Crashed:
+    """The last words of a process that is about to end."""
+
+    cause: str
+    traceback: str
+
+
+Report = Started | Progress | Pace | Refused | Crashed

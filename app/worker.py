@@ -1,0 +1,176 @@
+"""The simulation process: drains commands, advances the episode at wall pace, reports the newest snapshot."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import time
+import traceback
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import replace
+from multiprocessing.connection import Connection
+
+from app.commands import ApplyEvent, Command, Restart, SetPaused, SetSpeed, StepOnce
+from app.engine import Engine, Running
+from app.reports import Crashed, Pace, Progress, Refused, Report, Started, Traces
+from backend.errors import GraspingError
+from backend.events import WorldEvent
+from backend.pipeline.values import CycleResult
+from backend.snapshot import Snapshot
+
+REPORT_INTERVAL_S = 1 / 40
+"""Snapshots are reported at most this often; the page draws 30 a second."""
+PACE_INTERVAL_S = 0.5
+LARGEST_DEBT_S = 0.25
+"""A simulation later than this forgets the lost time instead of racing after it."""
+
+
+def run_worker(link: Connection, engine: Engine, first: Restart, pace: Pace) -> None:
+    """Serve until the other end of ``link`` says None or closes; entry point of the spawned process."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the server decides
+    try:
+        Worker(link, engine, pace).serve(first)
+    except (EOFError, BrokenPipeError, ConnectionResetError):
+        return
+    except Exception as error:
+        link.send(Crashed(f"{type(error).__name__}: {error}", traceback.format_exc()))
+        sys.exit(1)
+
+
+class Worker:
+    """Owns the one episode of its process."""
+
+    def __init__(self, link: Connection, engine: Engine, pace: Pace) -> None:
+        self._link = link
+        self._engine = engine
+        self._paused = pace.paused
+        self._speed = pace.speed
+        self._run = 0
+        self._episode: Running | None = None
+        self._ticks: Iterator[Snapshot] = iter(())
+        self._last: Snapshot | None = None
+        self._reported_cycle = 0
+        self._due_s = 0.0
+        self._next_report_s = 0.0
+        self._next_pace_s = 0.0
+        self._clock: deque[tuple[float, float]] = deque()
+
+    def serve(self, first: Restart) -> None:
+        """Run until told to end."""
+        self._restart(first)
+        while True:
+            while self._link.poll(self._patience_s()):
+                command: Command | None = self._link.recv()
+                if command is None:
+                    return
+                self._obey(command)
+            if self._moving and time.perf_counter() >= self._due_s:
+                self._advance()
+            self._report_pace()
+
+    @property
+    def _moving(self) -> bool:
+        return not self._paused and self._last is not None and self._last.outcome is None
+
+    def _patience_s(self) -> float:
+        """How long a command may be waited for."""
+        if not self._moving:
+            return PACE_INTERVAL_S
+        return max(0.0, self._due_s - time.perf_counter())
+
+    def _obey(self, command: Command) -> None:
+        match command:
+            case SetPaused(paused=paused):
+                self._paused = paused
+                self._reset_clock()
+            case StepOnce():
+                self._paused = True
+                if self._last is not None and self._last.outcome is None:
+                    self._advance()
+            case SetSpeed(speed=speed):
+                self._speed = speed
+                self._reset_clock()
+            case ApplyEvent(event=event):
+                self._apply(event)
+            case Restart():
+                self._restart(command)
+        self._report_pace(now=True)
+
+    def _apply(self, event: WorldEvent) -> None:
+        if self._episode is None or self._last is None or self._last.outcome is not None:
+            self._report(Refused("The trial is over, so its world cannot be edited: restart it first."))
+            return
+        try:
+            self._episode.apply(event)
+        except GraspingError as error:
+            self._report(Refused(str(error)))
+
+    def _restart(self, restart: Restart) -> None:
+        """Close the running episode and show the first tick of the next, paused or not."""
+        if self._episode is not None:
+            self._episode.close()
+            self._episode, self._last, self._ticks = None, None, iter(())
+        try:
+            self._episode = self._engine.make_episode(restart)
+        except GraspingError as error:
+            self._report(Refused(str(error)))
+            return
+        self._run += 1
+        self._reported_cycle = 0
+        self._ticks = iter(self._episode.run())
+        self._report(Started(self._run, restart, self._episode.scene))
+        self._reset_clock()
+        self._advance(report=True)
+
+    def _advance(self, report: bool = False) -> None:
+        previous, self._last = self._last, next(self._ticks)
+        now = time.perf_counter()
+        tick_s = self._last.t_s - (previous.t_s if previous else 0.0)
+        if self._speed is None:
+            self._due_s = now
+        else:
+            self._due_s = max(self._due_s + tick_s / self._speed, now - LARGEST_DEBT_S)
+        self._clock.append((now, self._last.t_s))
+        while now - self._clock[0][0] > 1.0:
+            self._clock.popleft()
+        if report or self._paused or self._last.outcome is not None or now >= self._next_report_s:
+            self._report_snapshot(self._last)
+            self._next_report_s = now + REPORT_INTERVAL_S
+
+    def _reset_clock(self) -> None:
+        self._due_s = time.perf_counter()
+        self._clock.clear()
+
+    def _report_snapshot(self, snapshot: Snapshot) -> None:
+        cycle, traces = snapshot.cycle, None
+        if cycle is None or cycle.number == self._reported_cycle:
+            snapshot = replace(snapshot, cycle=None)
+        else:
+            self._reported_cycle = cycle.number
+            traces = self._traces(cycle)
+        self._report(Progress(self._run, snapshot, traces))
+
+    def _traces(self, cycle: CycleResult) -> Traces:
+        assert self._episode is not None
+        paths = (cycle.plan.path if cycle.plan else None, cycle.seed_path)
+        robot = self._episode.scene.robot
+        plan, seed = (
+            None if path is None else self._engine.tcp_trace(robot, path.waypoints) for path in paths
+        )
+        return Traces(plan, seed)
+
+    def _report_pace(self, now: bool = False) -> None:
+        wall_s = time.perf_counter()
+        if now or wall_s >= self._next_pace_s:
+            self._next_pace_s = wall_s + PACE_INTERVAL_S
+            self._report(Pace(self._paused, self._speed, self._real_time_factor()))
+
+    def _real_time_factor(self) -> float:
+        if not self._moving or len(self._clock) < 2:
+            return 0.0
+        (wall_a, sim_a), (wall_b, sim_b) = self._clock[0], self._clock[-1]
+        return (sim_b - sim_a) / max(wall_b - wall_a, 1e-9)
+
+    def _report(self, report: Report) -> None:
+        self._link.send(report)

@@ -1,0 +1,235 @@
+"""An engine without physics, to test the dashboard: the arm swings, the object rides, cycles come and go."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+
+import numpy as np
+
+from app.commands import Restart
+from app.engine import Running, TrialInfo
+from backend.errors import InvalidInputError, lookup
+from backend.events import SetBeltRate, WorldEvent
+from backend.pipeline.values import (
+    Candidate,
+    Candidates,
+    CycleResult,
+    JointGoal,
+    Outcome,
+    Phase,
+    Plan,
+    Prediction,
+    Shortlist,
+)
+from backend.pose import Array, Pose
+from backend.snapshot import BoxPlacement, SceneDescription, Snapshot
+from backend.trajectory import Path
+
+TICK_S = 1 / 30
+HOME = np.array([0.0, -1.15, 0.9, -0.66, 0.0, 0.0])
+
+SCENARIOS = {
+    "ur5_linear": TrialInfo(
+        "ur5_linear", "UR5, linear", "ur5_robotiq", "sugar_box", "linear", "ik", "task.speed_mps", 0.05
+    ),
+    "ur5_linear_slab": TrialInfo(
+        "ur5_linear_slab", "UR5, slab", "ur5_robotiq", "cube", "linear_slab", "ik", "task.speed_mps", 0.05
+    ),
+    "mico_varying": TrialInfo(
+        "mico_varying", "Mico, varying", "mico", "cube", "linear_varying", "ik", None, None
+    ),
+    "boom": TrialInfo("boom", "Crashes", "mico", "cube", "linear", "ik", None, None),
+}
+
+
+class FakeEngine:
+    """Runs ``FakeEpisode``; the scenario ``boom`` raises at its 20th tick."""
+
+    def scenario_names(self) -> tuple[str, ...]:
+        return tuple(SCENARIOS)
+
+    def object_names(self) -> tuple[str, ...]:
+        return ("cube", "sugar_box", "tomato_soup_can")
+
+    def method_names(self) -> tuple[str, ...]:
+        return ("ik", "baseline")
+
+    def describe(self, restart: Restart) -> TrialInfo:
+        info = lookup("scenario", restart.scenario, SCENARIOS)
+        speed = restart.overrides.get("task.speed_mps", info.speed_mps)
+        if speed is not None and not -1.0 < float(speed) < 1.0:
+            raise InvalidInputError(f"task.speed_mps: must lie between -1 and 1 (got {speed})")
+        return TrialInfo(
+            info.scenario,
+            info.title,
+            info.robot,
+            str(restart.overrides.get("object", info.object)),
+            info.task,
+            str(restart.overrides.get("method", info.method)),
+            info.speed_path,
+            None if speed is None else float(speed),
+        )
+
+    def make_episode(self, restart: Restart) -> Running:
+        return FakeEpisode(self.describe(restart), restart.seed)
+
+    def tcp_trace(self, robot: str, waypoints: Array) -> Array:
+        return np.array([tcp_of(q).xyz_m for q in np.linspace(waypoints[0], waypoints[-1], 20)])
+
+
+def tcp_of(q: Array) -> Pose:
+    """A made-up hand that follows the first two joints, looking down."""
+    reach = 0.5 + 0.1 * np.sin(q[1])
+    return Pose.from_xyz_rpy(
+        (reach * np.cos(q[0]), reach * np.sin(q[0]), 0.35 + 0.1 * q[2]), (np.pi, 0.0, q[0])
+    )
+
+
+class FakeEpisode:
+    """20 s of pretending, then success for even seeds and a drop for odd ones."""
+
+    def __init__(self, info: TrialInfo, seed: int) -> None:
+        self._info = info
+        self._seed = seed
+        self._rate = 1.0
+        self._s_m = 0.0
+        speed = info.speed_mps or 0.02
+        self._speed_mps = speed
+        self._start = np.array([0.45, -0.5 + 0.02 * (seed % 10), 0.02])
+        path = self._start + np.linspace(0.0, 1.0, 60)[:, None] * np.array([0.0, 1.0, 0.0])
+        slab = (
+            BoxPlacement(Pose.of((0.45, 0.0, 0.45)), (0.1, 0.6, 0.02)) if info.task == "linear_slab" else None
+        )
+        obstacles = ("tomato_soup_can", "cube", "sugar_box") if slab is None else ()
+        self.scene = SceneDescription(
+            info.robot, info.object, (0.12, 0.12, 0.02), path, obstacles, slab, seed
+        )
+        self.closed = False
+
+    def apply(self, event: WorldEvent) -> None:
+        if not isinstance(event, SetBeltRate):
+            raise InvalidInputError("move_obstacle.index: there is no obstacle to move")
+        self._rate = event.rate
+
+    def close(self) -> None:
+        self.closed = True
+
+    def run(self) -> Iterator[Snapshot]:
+        """600 ticks; every sixth brings a new cycle."""
+        cycle = None
+        for tick in range(601):
+            if self._info.scenario == "boom" and tick == 20:
+                raise ZeroDivisionError("the fake world has come apart")
+            if self._info.scenario == "boom" and self._seed == 99:
+                os._exit(7)
+            self._s_m = float(np.clip(self._s_m + self._rate * self._speed_mps * TICK_S, 0.0, 1.0))
+            if tick % 6 == 1:
+                cycle = self._cycle(tick)
+            yield self._snapshot(tick, cycle)
+
+    def _snapshot(self, tick: int, cycle: CycleResult | None) -> Snapshot:
+        t_s = tick * TICK_S
+        phases: tuple[Phase, ...] = (
+            "watch",
+            "move",
+            "move",
+            "move",
+            "approach",
+            "close",
+            "lift",
+            "hold",
+            "done",
+        )
+        last = tick == 600
+        good = self._seed % 2 == 0
+        outcome = Outcome(good, good, None if good else "dropped", "" if good else "The object slipped away.")
+        q = self._q(t_s)
+        names = joint_names(self._info.robot)
+        T_tray = Pose.of(self._start + np.array([0.0, self._s_m, 0.0]))
+        n = len(self.scene.obstacles)
+        obstacles = [Pose.of((0.65, -0.3 + 0.3 * i, 0.0)).matrix for i in range(n)]
+        return Snapshot(
+            tick=tick,
+            t_s=t_s,
+            phase=phases[min(tick // 75, 8)],
+            q=q,
+            joints_rad=dict(zip(names, q.tolist(), strict=True)),
+            T_world_tcp=tcp_of(q),
+            T_world_tray=T_tray,
+            T_world_object=T_tray,
+            Ts_world_obstacle=np.array(obstacles).reshape(-1, 4, 4),
+            belt_rate=self._rate,
+            cycle=cycle,
+            cycles=cycle.number if cycle else 0,
+            outcome=outcome if last else None,
+        )
+
+    def _q(self, t_s: float) -> Array:
+        return HOME + 0.4 * np.sin(0.5 * t_s) * np.array([1.0, 0.5, 0.5, 0.3, 0.2, 0.2])
+
+    def _cycle(self, tick: int) -> CycleResult:
+        t_s = tick * TICK_S
+        here = self._start + np.array([0.0, self._s_m, 0.0])
+        times = t_s + np.linspace(0.0, 2.0, 9)
+        Ts = np.array(
+            [Pose.of(here + np.array([0.0, self._speed_mps * (t - t_s), 0.0])).matrix for t in times]
+        )
+        velocity = np.array([0.0, self._speed_mps, 0.0])
+        prediction = Prediction(times, Ts, np.full(9, 0.002), velocity)
+        candidates = _candidates(Pose(Ts[-1]))
+        kept = tuple(int(i) for i in np.roll(np.arange(30), tick)[:10])
+        shortlist = Shortlist(
+            candidates, kept, np.linspace(1.0, 0.0, 30), {i: "no_ik" for i in range(10, 30)}
+        )
+        q_start, q_goal = self._q(t_s), self._q(t_s + 2.0) + 0.2
+        goal = JointGoal(q_goal, q_goal + 0.05)
+        i = kept[0]
+        picked = Candidate(
+            i,
+            Pose(candidates.Ts_object_grasp[i]),
+            Pose(candidates.Ts_world_grasp[i]),
+            Pose(candidates.Ts_world_pregrasp[i]),
+            (goal,),
+            0.8,
+        )
+        path = Path(np.linspace(q_start, q_goal, 6))
+        seed_path = Path(np.linspace(q_start + 0.05, q_goal + 0.1, 6))
+        return CycleResult(
+            number=tick // 6 + 1,
+            observed_s=t_s,
+            effective_s=t_s + 0.1,
+            prediction=prediction,
+            shortlist=shortlist,
+            picked=picked,
+            seed_path=seed_path,
+            plan=Plan(path, 0, "reconnected", 120),
+            ik_calls=10,
+            room_s={
+                "sense": 1e-4,
+                "predict": 2e-4,
+                "filter": 4e-3,
+                "pick": 1e-4,
+                "plan": 6e-3,
+                "retime": 3e-3,
+            },
+        )
+
+
+def _candidates(T_world_object: Pose) -> Candidates:
+    turns = [
+        Pose.from_xyz_rpy((0.0, 0.0, 0.1), (np.pi + 0.4 * np.sin(a), 0.0, a)) for a in np.linspace(0, 6, 30)
+    ]
+    Ts_object = np.array([T.matrix for T in turns])
+    Ts_world = T_world_object.matrix @ Ts_object
+    back = Pose.of((0.0, 0.0, -0.075)).matrix
+    return Candidates(Ts_object, Ts_world, Ts_world @ back, np.linspace(1.0, 0.5, 30), T_world_object)
+
+
+def joint_names(robot: str) -> tuple[str, ...]:
+    """The arm's joints as the robots' own descriptions call them."""
+    if robot == "mico":
+        return tuple(f"m1n6s200_joint_{i}" for i in range(1, 7))
+    return tuple(
+        f"{n}_joint" for n in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+    )
