@@ -1,0 +1,1 @@
+"""Physics: what is really happening, and the planner's belief of it."""
