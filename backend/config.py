@@ -21,10 +21,11 @@ Probability = Annotated[float, Field(ge=0.0, le=1.0)]
 def explain(error: ValidationError, where: str = "") -> str:
     """Every complaint of pydantic as one line each: ``where: path.to.key: message (got value)``."""
     prefix = f"{where}: " if where else ""
-    return "\n".join(prefix + _complaint(entry) for entry in error.errors(include_url=False))
+    return "\n".join(prefix + complaint(entry) for entry in error.errors(include_url=False))
 
 
-def _complaint(entry: Any) -> str:
+def complaint(entry: Any) -> str:
+    """One line for one of pydantic's error details."""
     path = ".".join(str(part) for part in entry["loc"])
     message = str(entry["msg"])
     text = f"{path}: {message[0].lower()}{message[1:]}" if path else message

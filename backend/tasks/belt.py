@@ -1,4 +1,4 @@
-"""BeltTask: what the seven tasks share, the paper's random belt (section V-A and its figure of random motion)."""
+"""BeltTask: what the seven tasks share, the random belt of the paper (section V-A, random motion)."""
 
 from __future__ import annotations
 
