@@ -23,8 +23,8 @@ LEAST_GAIN = 0.08
 """A cut must save this part of a link's hull."""
 FRAME_MASS_KG = 1e-3
 """For links without inertial data, which PyBullet would otherwise make 1 kg."""
-LEAST_INERTIA_KGM2 = 1e-5
-"""Lighter finger links make the gripper's gear constraints ring."""
+LEAST_INERTIA_KGM2 = 1e-4
+"""What a geared finger drive reflects onto its links; lighter ones make the gripper's gear constraints ring."""
 
 
 def make_model(description: RobotDescription, source: RobotSource, root: Path, folder: Path) -> None:

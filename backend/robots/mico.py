@@ -19,7 +19,7 @@ HAND = GripperDescription(
     open_rad=0.0,
     closed_rad=1.3,
     close_speed_rps=2.0,
-    max_force=3.0,
+    max_force=4.0,
     position_gain=0.3,
     gears=(GearCoupling(f"{P}joint_finger_2", 1.0, 500.0, 0.3),),
     followers=(
@@ -29,7 +29,7 @@ HAND = GripperDescription(
     finger_links=tuple(f"{P}link_finger_{kind}" for kind in ("1", "tip_1", "2", "tip_2")),
     hand_links=(f"{P}link_6", f"{P}end_effector")
     + tuple(f"{P}link_finger_{kind}" for kind in ("1", "tip_1", "2", "tip_2")),
-    opening_m=0.10,
+    opening_m=0.11,
     pad_depth_m=0.03,
 )
 
@@ -39,7 +39,7 @@ MICO = RobotDescription(
     arm_joints=tuple(f"{P}joint_{i}" for i in range(1, 7)),
     home_rad=(4.80469, 2.92482, 1.002, 4.20319, 1.4458, 1.3233),
     flange_link=f"{P}end_effector",
-    T_flange_tcp=Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, -math.pi / 2)),
+    T_flange_tcp=Pose.from_xyz_rpy((0.0, 0.0, 0.025), (0.0, 0.0, -math.pi / 2)),
     gripper=HAND,
     backoff_m=0.05,
     joint_lower_rad=(-TWO_PI, 0.872665, 0.610865, -TWO_PI, -TWO_PI, -TWO_PI),

@@ -19,7 +19,7 @@ HAND = GripperDescription(
     open_rad=0.0,
     closed_rad=0.8,
     close_speed_rps=1.0,
-    max_force=4.0,
+    max_force=10.0,
     position_gain=0.3,
     gears=(
         GearCoupling("right_outer_knuckle_joint", 1.0, 500.0, 0.3),
