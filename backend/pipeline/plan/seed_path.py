@@ -1,0 +1,92 @@
+"""Seed path: the part of the previous path that still holds, and how the new goal is reached from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from backend.pipeline.plan.ends import Ends
+from backend.pose import Array
+from backend.sim.planning_scene import PlanningScene
+from backend.trajectory import Path
+
+SAME_RAD = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A path before it is dressed up as a plan."""
+
+    waypoints: Array
+    goal_index: int
+    how: str
+
+
+class CheckCount:
+    """Counts the state checks of one plan."""
+
+    def __init__(self, scene: PlanningScene) -> None:
+        self.scene = scene
+        self.checks = 0
+
+    def edge_free(self, q0: Array, q1: Array) -> bool:
+        """Whether the edge from free ``q0`` to ``q1`` is free."""
+        cost = self.scene.edge_checks(q0, q1)
+        self.checks += abs(cost)
+        return cost > 0
+
+    def is_free(self, q: Array) -> bool:
+        self.checks += 1
+        return self.scene.is_free(q)
+
+
+def straight(ends: Ends, count: CheckCount) -> Found | None:
+    """One straight edge to the first goal that can be reached so."""
+    for index, goal in ends.goals:
+        if count.edge_free(ends.start, goal):
+            return Found(np.vstack([ends.lead, goal]), index, "straight")
+    return None
+
+
+def valid_chain(ends: Ends, seed: Path | None, count: CheckCount) -> Array:
+    """(n, dof) the start and the waypoints of the previous path that still follow from it validly."""
+    chain = [ends.start]
+    if seed is not None and seed.waypoints.ndim == 2 and seed.waypoints.shape[1] == ends.start.size:
+        for waypoint in _ahead(seed.waypoints, ends.start):
+            if not count.edge_free(chain[-1], waypoint):
+                break
+            chain.append(waypoint)
+    return np.array(chain)
+
+
+def reconnected(ends: Ends, chain: Array, count: CheckCount) -> Found | None:
+    """Along the previous path as far as possible, then straight to a goal."""
+    for last in range(len(chain) - 1, 0, -1):
+        for index, goal in ends.goals:
+            if count.edge_free(chain[last], goal):
+                return Found(np.vstack([ends.lead, chain[1 : last + 1], goal]), index, "reconnected")
+    return None
+
+
+def without_repeats(waypoints: Array) -> Array:
+    """The same path without waypoints that equal their predecessor; its ends stay exact."""
+    keep = [0]
+    for i in range(1, len(waypoints)):
+        if np.abs(waypoints[i] - waypoints[keep[-1]]).max() > SAME_RAD:
+            keep.append(i)
+    if keep[-1] != len(waypoints) - 1:
+        keep[-1 if len(keep) > 1 else 0] = len(waypoints) - 1
+    return waypoints[keep]
+
+
+def _ahead(waypoints: Array, q: Array) -> Array:
+    """The waypoints after the point of the path nearest to ``q``."""
+    if len(waypoints) == 1:
+        return waypoints
+    edges = np.diff(waypoints, axis=0)
+    squares = np.maximum((edges**2).sum(axis=1), SAME_RAD**2)
+    along = np.clip(((q - waypoints[:-1]) * edges).sum(axis=1) / squares, 0.0, 1.0)
+    gaps = np.linalg.norm(waypoints[:-1] + along[:, None] * edges - q, axis=1)
+    ahead = waypoints[int(np.argmin(gaps)) + 1 :]
+    return ahead[1:] if np.abs(ahead[0] - q).max() < SAME_RAD else ahead
