@@ -1,0 +1,72 @@
+"""The real engine behind the door of ``app.engine``; heavy parts are imported where they are needed."""
+
+from __future__ import annotations
+
+import itertools
+
+import numpy as np
+
+from app.commands import OverrideValue, Restart
+from app.engine import Running, TrialInfo
+from backend.methods import METHODS
+from backend.objects import OBJECTS
+from backend.pose import Array
+from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
+
+TRACE_STEP_RAD = 0.08
+"""Joint distance between the drawn points of a path."""
+
+
+class BackendEngine:
+    """Scenarios from the project's files, episodes from ``backend.episode``."""
+
+    def scenario_names(self) -> tuple[str, ...]:
+        return scenario_names()
+
+    def object_names(self) -> tuple[str, ...]:
+        return tuple(OBJECTS)
+
+    def method_names(self) -> tuple[str, ...]:
+        return tuple(METHODS)
+
+    def describe(self, restart: Restart) -> TrialInfo:
+        scenario = _scenario(restart)
+        speed_mps: float | None = getattr(scenario.task, "speed_mps", None)
+        return TrialInfo(
+            scenario=restart.scenario,
+            title=scenario.title,
+            robot=scenario.robot,
+            object=scenario.object,
+            task=scenario.task.kind,
+            method=scenario.method.name,
+            speed_path=None if speed_mps is None else "task.speed_mps",
+            speed_mps=speed_mps,
+        )
+
+    def make_episode(self, restart: Restart) -> Running:
+        from backend.episode import Episode
+
+        return Episode(_scenario(restart), restart.seed)
+
+    def tcp_trace(self, robot: str, waypoints: Array) -> Array:
+        from backend.kinematics import load_kinematics
+
+        return load_kinematics(robot).fk_many(_densified(waypoints))[:, :3, 3]
+
+
+def _scenario(restart: Restart) -> Scenario:
+    overrides = [f"{path}={_written(value)}" for path, value in restart.overrides.items()]
+    return with_overrides(load_scenario(restart.scenario), overrides)
+
+
+def _written(value: OverrideValue) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _densified(waypoints: Array) -> Array:
+    """(m, dof) points on the straight edges between ``waypoints`` (n, dof), ends included."""
+    pieces = [waypoints[:1]]
+    for a, b in itertools.pairwise(waypoints):
+        steps = max(1, int(np.ceil(np.abs(b - a).max() / TRACE_STEP_RAD)))
+        pieces.append(a + np.linspace(0.0, 1.0, steps + 1)[1:, None] * (b - a))
+    return np.concatenate(pieces)

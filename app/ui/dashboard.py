@@ -1,0 +1,155 @@
+"""Dashboard: draws the session into viser, one atomic frame after the other; nothing while nobody looks."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import threading
+import time
+
+import viser
+
+from app.session import Session, SessionState
+from app.ui import palette, words
+from app.ui.camera import CameraKeeper
+from app.ui.desk import Desk
+from app.ui.layers import LAYERS, Layer, Picture
+from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, View
+from app.ui.progress import AutoNext, Tally
+from backend.errors import GraspingError
+from backend.pipeline.values import CycleResult
+
+FRAME_S = 1 / 30
+PANELS_S = 1 / 5
+
+
+class Dashboard:
+    """Owns the viser server and the thread that draws."""
+
+    def __init__(self, session: Session, auto_next: bool, low_fx: bool) -> None:
+        self._session = session
+        self.server = start_viser()
+        self._camera = CameraKeeper(self.server)
+        self._desk = Desk(self.server, session)
+        self._auto_next = AutoNext(auto_next)
+        self._tally = Tally()
+        self._layers: list[Layer] = [layer(self.server.scene) for layer in LAYERS]
+        self._stopping = threading.Event()
+        self._drawn: SessionState | None = None
+        self._drawn_cycle: CycleResult | None = None
+        self._panels_due_s = 0.0
+        self._refusals = 0
+        self._furnish(low_fx)
+        self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
+
+    def start(self) -> None:
+        """Begin to draw."""
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop drawing, then the viser server."""
+        self._stopping.set()
+        if self._thread.is_alive():
+            self._thread.join(5.0)
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.server.stop()
+
+    def _furnish(self, low_fx: bool) -> None:
+        scene, gui = self.server.scene, self.server.gui
+        scene.configure_default_lights(True, cast_shadow=not low_fx)
+        if low_fx:
+            scene.configure_environment_map(None)
+        scene.world_axes.visible = False
+        scene.add_grid("/floor", 4.0, 4.0, cell_size=0.1, section_size=0.5)
+        gui.configure_theme(brand_color=palette.BRAND, show_logo=False, show_share_button=False)
+        left = gui.add_panel()
+        left.dock_left()
+        left.set_width(270)
+        gui.main_panel.dock_right()
+        gui.main_panel.set_width(290)
+        with left.add_tab("Trial"):
+            self._panels = [panel(gui, self._desk, self._auto_next) for panel in STATUS_PANELS]
+            gui.add_html(words.heading("Legend") + words.legend([row for x in LAYERS for row in x.swatches]))
+        self._panels += [panel(gui, self._desk, self._auto_next) for panel in CONTROL_PANELS]
+        with gui.add_folder("Show", expand_by_default=False):
+            for layer in self._layers:
+                self._add_switch(gui, layer)
+        reset = gui.add_command("Reset the view", hotkey="V")
+        reset.on_trigger(lambda event: self._camera.reset(event.client) if event.client else None)
+
+    def _add_switch(self, gui: viser.GuiApi, layer: Layer) -> None:
+        switch = gui.add_checkbox(layer.title, True)
+        switch.on_update(lambda event: layer.show(bool(event.target.value)))
+
+    def _run(self) -> None:
+        due_s = time.perf_counter()
+        while not self._stopping.wait(max(0.0, due_s - time.perf_counter())):
+            due_s = max(due_s + FRAME_S, time.perf_counter())
+            self._desk.fulfil()
+            self.draw()
+
+    def draw(self) -> None:
+        """One frame."""
+        state, now_s = self._session.state, time.monotonic()
+        looking = bool(self.server.get_clients())
+        with self.server.atomic():
+            self._begin(state)
+            if not looking:
+                return
+            self._draw_layers(state)
+            if now_s >= self._panels_due_s:
+                self._panels_due_s = now_s + PANELS_S
+                self._draw_panels(state, now_s)
+
+    def _begin(self, state: SessionState) -> None:
+        """A new trial is built even while nobody looks, so that whoever comes sees it at once."""
+        if state.started is None or (self._drawn is not None and state.started is self._drawn.started):
+            return
+        for layer in self._layers:
+            layer.begin(state.started.scene)
+        self._camera.begin(state.started.scene)
+        self._drawn, self._drawn_cycle = None, None
+
+    def _draw_layers(self, state: SessionState) -> None:
+        snapshot = state.snapshot
+        if state.started is None or snapshot is None:
+            return
+        if self._drawn is not None and snapshot is self._drawn.snapshot:
+            return
+        new_cycle = snapshot.cycle is not None and snapshot.cycle is not self._drawn_cycle
+        picture = Picture(state.started.scene, snapshot, state.traces, new_cycle)
+        for layer in self._layers:
+            layer.draw(picture)
+        self._drawn, self._drawn_cycle = state, snapshot.cycle
+
+    def _draw_panels(self, state: SessionState, now_s: float) -> None:
+        self._tally = self._tally.after(state)
+        remaining_s = self._auto_next.remaining_s(state, now_s)
+        if remaining_s is not None and remaining_s <= 0.0:
+            self._next_trial(state)
+        if state.refusals[0] > self._refusals:
+            self._refusals = state.refusals[0]
+            self._desk.say("Not possible", state.refusals[1], "red")
+        view = View(state, self._tally, remaining_s, self._desk.status_line)
+        for panel in self._panels:
+            panel.show(view)
+
+    def _next_trial(self, state: SessionState) -> None:
+        try:
+            self._desk.restart(seed=state.restart.seed + 1)
+        except GraspingError as error:
+            self._auto_next.enabled = False
+            self._desk.say("Not possible", str(error), "red")
+
+
+def start_viser() -> viser.ViserServer:
+    """viser on a free port of this machine, unable to open a tunnel to the outside, and silent."""
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host="127.0.0.1", port=0, label="Dynamic grasping", verbose=False)
+    server.request_share_url = _refuse_to_share
+    return server
+
+
+def _refuse_to_share(verbose: bool = True) -> str | None:
+    """Stands in for viser's own, which lets any client open a public tunnel."""
+    return None

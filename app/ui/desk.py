@@ -1,0 +1,122 @@
+"""Desk: where everything that browsers ask for arrives, is checked, and is answered."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import viser
+from pydantic import ValidationError
+
+from app.commands import Command, OverrideValue, Restart
+from app.session import Session
+from backend.config import Config, explain
+from backend.errors import GraspingError, InvalidInputError
+
+Answer = str | None
+Color = Literal["blue", "red", "green"]
+NOTICE_S = 6.0
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Something a person did in a browser."""
+
+    act: Callable[[], Answer]
+    client: viser.ClientHandle | None
+    due_s: float
+
+
+class Desk:
+    """Callbacks of viser run in a pool of threads and may be reordered: they only leave wishes here."""
+
+    def __init__(self, server: viser.ViserServer, session: Session) -> None:
+        self.session = session
+        self.status_line = ""
+        """The last answer, for the status line."""
+        self._server = server
+        self._lock = threading.Lock()
+        self._wishes: dict[str, Wish] = {}
+        self._touched_s: dict[str, float] = {}
+
+    def wish(
+        self, key: str, act: Callable[[], Answer], client: viser.ClientHandle | None, after_s: float = 0.0
+    ) -> None:
+        """Ask for ``act`` to be done ``after_s`` from now; a newer wish of the same key takes its place.
+
+        ``act`` returns what to say to everybody, or None; a ``GraspingError`` is said to the one who asked.
+        """
+        now = time.monotonic()
+        with self._lock:
+            self._wishes.pop(key, None)
+            self._wishes[key] = Wish(act, client, now + after_s)
+            self._touched_s[key] = now
+
+    def is_quiet(self, key: str, since_s: float = 1.5) -> bool:
+        """Whether nobody has touched ``key`` lately, so that its widget may be set to what is true."""
+        with self._lock:
+            return time.monotonic() - self._touched_s.get(key, -since_s) >= since_s
+
+    def fulfil(self) -> None:
+        """Do what is due; called by the dashboard's thread only."""
+        now = time.monotonic()
+        with self._lock:
+            due = [key for key, wish in self._wishes.items() if wish.due_s <= now]
+            wishes = [(key, self._wishes.pop(key)) for key in due]
+        for key, wish in wishes:
+            self._fulfil(key, wish)
+
+    def send(self, command: Command) -> None:
+        """Pass a command on; raises ``GraspingError``."""
+        self.session.send(command)
+
+    def restart(
+        self,
+        scenario: str | None = None,
+        seed: int | None = None,
+        overrides: dict[str, OverrideValue] | None = None,
+    ) -> Restart:
+        """Restart with what is given changed and the rest as it is; raises ``GraspingError``.
+
+        Another scenario starts from its own file; otherwise ``overrides`` add to those there are.
+        """
+        now = self.session.state.restart
+        kept = now.overrides if scenario in (None, now.scenario) else {}
+        command = checked(
+            Restart,
+            scenario=now.scenario if scenario is None else scenario,
+            seed=now.seed if seed is None else seed,
+            overrides={**kept, **(overrides or {})},
+        )
+        self.send(command)
+        return command
+
+    def say(self, title: str, text: str, color: Color, client: viser.ClientHandle | None = None) -> None:
+        """Notify one browser, or all."""
+        for listener in [client] if client is not None else list(self._server.get_clients().values()):
+            listener.add_notification(title, text, auto_close_seconds=NOTICE_S, color=color)
+
+    def _fulfil(self, key: str, wish: Wish) -> None:
+        try:
+            answer = wish.act()
+        except GraspingError as error:
+            self.say("Not possible", str(error), "red", wish.client)
+            self.status_line = f"Refused: {error}"
+            with self._lock:
+                self._touched_s.pop(key, None)  # the widget shows the truth again at once
+            return
+        if answer is not None:
+            self.status_line = answer
+            self.say("Done", answer, "blue")
+
+
+def checked(kind: type[Any], **values: Any) -> Any:
+    """A command or event of ``kind`` from a browser's values; raises ``InvalidInputError`` with the bound."""
+    assert issubclass(kind, Config)
+    try:
+        return kind.model_validate(values)
+    except ValidationError as error:
+        raise InvalidInputError(explain(error)) from None

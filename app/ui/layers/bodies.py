@@ -1,0 +1,75 @@
+"""The bodies around the robot: the object to be grasped, the obstacles, the slab."""
+
+from __future__ import annotations
+
+import viser
+
+from app.ui import palette
+from app.ui.geometry import Geometry, creased
+from app.ui.layers.layer import Picture, Root, place
+from app.ui.palette import Rgb
+from backend.objects import ObjectDescription, load_object
+from backend.snapshot import SceneDescription
+
+
+def add_object(
+    scene: viser.SceneApi, name: str, shape: ObjectDescription, color: Rgb, opacity: float | None = None
+) -> viser.MeshHandle:
+    """Add the visual mesh of an object, in the object's frame."""
+    geometry: Geometry = creased(shape.visual)
+    return scene.add_mesh_simple(name, geometry.vertices, geometry.faces, color=color, opacity=opacity)
+
+
+class ObjectLayer:
+    """The object to be grasped, where it truly is."""
+
+    title = "Object"
+    swatches: tuple[tuple[Rgb, str], ...] = ()
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._root = Root(scene, "/object")
+        self._node: viser.MeshHandle | None = None
+
+    def begin(self, scene: SceneDescription) -> None:
+        self._root.clear()
+        shape = load_object(scene.object)
+        self._node = add_object(self._scene, "/object/body", shape, shape.color_rgb)
+
+    def draw(self, picture: Picture) -> None:
+        if self._node is not None:
+            place(self._node, picture.snapshot.T_world_object)
+
+    def show(self, visible: bool) -> None:
+        self._root.show(visible)
+
+
+class ObstaclesLayer:
+    """What must not be knocked."""
+
+    title = "Obstacles"
+    swatches: tuple[tuple[Rgb, str], ...] = ((palette.SLAB, "Slab"),)
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._root = Root(scene, "/obstacles")
+        self._nodes: list[viser.MeshHandle] = []
+
+    def begin(self, scene: SceneDescription) -> None:
+        self._root.clear()
+        self._nodes = []
+        for i, name in enumerate(scene.obstacles):
+            shape = load_object(name)
+            self._nodes.append(add_object(self._scene, f"/obstacles/{i}", shape, shape.color_rgb))
+        if scene.slab is not None:
+            slab = self._scene.add_box(
+                "/obstacles/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.55
+            )
+            place(slab, scene.slab.T_world_box)
+
+    def draw(self, picture: Picture) -> None:
+        for node, T in zip(self._nodes, picture.snapshot.Ts_world_obstacle, strict=True):
+            place(node, T)
+
+    def show(self, visible: bool) -> None:
+        self._root.show(visible)

@@ -1,0 +1,70 @@
+"""Layer: one thing in the 3-D scene."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import viser
+
+from app.reports import Traces
+from app.ui.palette import Rgb
+from backend.pose import Array, Pose
+from backend.snapshot import SceneDescription, Snapshot
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What is to be seen now."""
+
+    scene: SceneDescription
+    snapshot: Snapshot
+    traces: Traces | None
+    new_cycle: bool
+    """The cycle or its traces have not been drawn before."""
+
+
+class Layer(Protocol):
+    """Builds its nodes once per trial, then only moves and recolours them."""
+
+    title: str
+    """Label of its check box, at most 14 characters."""
+    swatches: tuple[tuple[Rgb, str], ...]
+    """Its rows of the legend."""
+
+    def __init__(self, scene: viser.SceneApi) -> None: ...
+
+    def begin(self, scene: SceneDescription) -> None:
+        """A new trial."""
+        ...
+
+    def draw(self, picture: Picture) -> None:
+        """A new tick."""
+        ...
+
+    def show(self, visible: bool) -> None: ...
+
+
+class Root:
+    """The invisible parent of a layer's nodes."""
+
+    def __init__(self, scene: viser.SceneApi, name: str) -> None:
+        self.name = name
+        self._scene = scene
+        self._frame = scene.add_frame(name, show_axes=False)
+
+    def clear(self) -> None:
+        """Remove everything below, keeping the visibility."""
+        visible = self._frame.visible
+        self._frame.remove()
+        self._frame = self._scene.add_frame(self.name, show_axes=False, visible=visible)
+
+    def show(self, visible: bool) -> None:
+        self._frame.visible = visible
+
+
+def place(node: Any, T: Pose | Array) -> None:
+    """Move a scene node to a pose, given as a ``Pose`` or (4, 4)."""
+    pose = T if isinstance(T, Pose) else Pose(T)
+    node.position = pose.xyz_m
+    node.wxyz = pose.wxyz

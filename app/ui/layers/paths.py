@@ -1,0 +1,137 @@
+"""Ways through space: the predicted object's, the plan's and its seed's, and where the hand has been."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+import viser
+
+from app.ui import palette
+from app.ui.geometry import segments
+from app.ui.layers.bodies import add_object
+from app.ui.layers.layer import Picture, Root, place
+from app.ui.palette import Rgb
+from backend.objects import load_object
+from backend.pose import Array
+from backend.snapshot import SceneDescription
+
+NOWHERE = np.zeros((1, 2, 3))
+TRAIL_S = 8.0
+TRAIL_STEP_S = 0.1
+TRAIL_REDRAW_S = 0.2
+
+
+class Polyline:
+    """A line that is redrawn by handing it points; None hides it."""
+
+    def __init__(self, scene: viser.SceneApi, name: str, color: Rgb, thickness_px: float) -> None:
+        self._node = scene.add_line_segments(
+            name, NOWHERE, color, thickness=thickness_px, thickness_units="screen", visible=False
+        )
+
+    def draw(self, points_m: Array | None) -> None:
+        """(n, 3) points in the world."""
+        if points_m is None or len(points_m) == 0:
+            self._node.visible = False
+            return
+        self._node.points = segments(points_m).astype(np.float32)
+        self._node.visible = True
+
+
+class PredictionLayer:
+    """A ghost of the object where it is predicted to be grasped, and the way it is predicted to take."""
+
+    title = "Prediction"
+    swatches: tuple[tuple[Rgb, str], ...] = ((palette.PREDICTION, "Predicted object"),)
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._root = Root(scene, "/prediction")
+        self._ghost: viser.MeshHandle | None = None
+        self._way: Polyline | None = None
+
+    def begin(self, scene: SceneDescription) -> None:
+        self._root.clear()
+        shape = load_object(scene.object)
+        self._ghost = add_object(self._scene, "/prediction/ghost", shape, palette.PREDICTION, opacity=0.3)
+        self._ghost.visible = False
+        self._way = Polyline(self._scene, "/prediction/way", palette.PREDICTION, 4.0)
+
+    def draw(self, picture: Picture) -> None:
+        cycle = picture.snapshot.cycle
+        if not picture.new_cycle or cycle is None or self._ghost is None or self._way is None:
+            return
+        prediction, shortlist = cycle.prediction, cycle.shortlist
+        self._way.draw(None if prediction is None else prediction.Ts_world_object[:, :3, 3])
+        self._ghost.visible = shortlist is not None
+        if shortlist is not None:
+            place(self._ghost, shortlist.candidates.T_world_object)
+
+    def show(self, visible: bool) -> None:
+        self._root.show(visible)
+
+
+class PlansLayer:
+    """Ways of the hand: the current plan, and the earlier one it was seeded with."""
+
+    title = "Plans"
+    swatches: tuple[tuple[Rgb, str], ...] = (
+        (palette.PLAN, "Current plan"),
+        (palette.SEED_PLAN, "Plan that seeded it"),
+    )
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._root = Root(scene, "/plans")
+        self._plan: Polyline | None = None
+        self._seed: Polyline | None = None
+
+    def begin(self, scene: SceneDescription) -> None:
+        self._root.clear()
+        self._seed = Polyline(self._scene, "/plans/seed", palette.SEED_PLAN, 3.0)
+        self._plan = Polyline(self._scene, "/plans/plan", palette.PLAN, 5.0)
+
+    def draw(self, picture: Picture) -> None:
+        if not picture.new_cycle or self._plan is None or self._seed is None:
+            return
+        traces = picture.traces
+        if traces is not None and traces.plan_m is not None:
+            self._plan.draw(traces.plan_m)
+            self._seed.draw(traces.seed_m)
+
+    def show(self, visible: bool) -> None:
+        self._root.show(visible)
+
+
+class TrailLayer:
+    """Where the hand has been in the last seconds."""
+
+    title = "Hand trail"
+    swatches: tuple[tuple[Rgb, str], ...] = ((palette.TRAIL, "Trail of the hand"),)
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._scene = scene
+        self._root = Root(scene, "/trail")
+        self._line: Polyline | None = None
+        self._points: deque[tuple[float, Array]] = deque()
+        self._drawn_s = 0.0
+
+    def begin(self, scene: SceneDescription) -> None:
+        self._root.clear()
+        self._line = Polyline(self._scene, "/trail/line", palette.TRAIL, 2.0)
+        self._points.clear()
+        self._drawn_s = 0.0
+
+    def draw(self, picture: Picture) -> None:
+        t_s = picture.snapshot.t_s
+        if not self._points or t_s - self._points[-1][0] >= TRAIL_STEP_S:
+            self._points.append((t_s, picture.snapshot.T_world_tcp.xyz_m))
+        while t_s - self._points[0][0] > TRAIL_S:
+            self._points.popleft()
+        if self._line is not None and t_s - self._drawn_s >= TRAIL_REDRAW_S:
+            self._drawn_s = t_s
+            self._line.draw(np.array([point for _, point in self._points]))
+
+    def show(self, visible: bool) -> None:
+        self._root.show(visible)

@@ -1,0 +1,34 @@
+"""Colours of the page, the same in the scene, in the panels and in the legend."""
+
+Rgb = tuple[int, int, int]
+
+BRAND: Rgb = (24, 100, 171)
+BELT: Rgb = (104, 114, 128)
+BELT_ARROW: Rgb = (255, 255, 255)
+TRAY: Rgb = (52, 60, 74)
+BASE: Rgb = (150, 158, 170)
+SLAB: Rgb = (201, 42, 42)
+PREDICTION: Rgb = (112, 72, 232)
+PLAN: Rgb = (28, 126, 214)
+SEED_PLAN: Rgb = (245, 159, 0)
+TRAIL: Rgb = (12, 166, 120)
+PICKED: Rgb = (214, 51, 108)
+RANKS: tuple[Rgb, ...] = ((43, 138, 62), (130, 201, 30), (252, 196, 25), (253, 126, 20))
+"""Best to worst of the shortlist."""
+GOOD: Rgb = (43, 138, 62)
+BAD: Rgb = (201, 42, 42)
+QUIET: Rgb = (134, 142, 150)
+
+
+def css(color: Rgb) -> str:
+    """As CSS writes it."""
+    return "#{:02x}{:02x}{:02x}".format(*color)
+
+
+def rank_color(rank: int, count: int) -> Rgb:
+    """Between the first and last of ``RANKS`` for rank 0 .. count - 1."""
+    place = rank / max(count - 1, 1) * (len(RANKS) - 1)
+    i = min(int(place), len(RANKS) - 2)
+    share = place - i
+    red, green, blue = (round(a + (b - a) * share) for a, b in zip(RANKS[i], RANKS[i + 1], strict=True))
+    return red, green, blue

@@ -1,0 +1,15 @@
+"""PANELS: everything beside the scene, in the order it stands."""
+
+from app.ui.panels.crash import CrashPanel
+from app.ui.panels.panel import Panel, View
+from app.ui.panels.playback import PlaybackPanel
+from app.ui.panels.scenario import ScenarioPanel
+from app.ui.panels.trial import TrialPanel
+
+CONTROL_PANELS: tuple[type[Panel], ...] = (CrashPanel, PlaybackPanel, ScenarioPanel)
+"""On the right: what can be set."""
+STATUS_PANELS: tuple[type[Panel], ...] = (TrialPanel,)
+"""On the left: what is happening."""
+PANELS = (*STATUS_PANELS, *CONTROL_PANELS)
+
+__all__ = ["CONTROL_PANELS", "PANELS", "STATUS_PANELS", "Panel", "View"]

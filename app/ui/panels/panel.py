@@ -1,0 +1,33 @@
+"""Panel: one group of widgets."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import viser
+
+from app.session import SessionState
+from app.ui.desk import Desk
+from app.ui.progress import AutoNext, Tally
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """What the panels show."""
+
+    state: SessionState
+    tally: Tally
+    next_in_s: float | None
+    """Seconds until the next trial begins by itself; None when it will not."""
+    status_line: str
+
+
+class Panel(Protocol):
+    """Builds its widgets once. ``show`` is the only place where it sets them; callbacks only leave wishes."""
+
+    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None: ...
+
+    def show(self, view: View) -> None:
+        """A few times a second."""
+        ...

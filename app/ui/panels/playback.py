@@ -1,0 +1,105 @@
+"""Playback: play, pause, step, reset, pace; also by keys and from the command palette."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import viser
+
+from app.commands import SPEEDS, SetPaused, SetSpeed, StepOnce
+from app.ui.desk import Answer, Desk, checked
+from app.ui.panels.panel import View
+from app.ui.progress import AutoNext
+from backend.errors import lookup
+
+FASTEST = "max"
+
+
+def speed_label(speed: float | None) -> str:
+    """As in the drop-down: ``1/8`` .. ``8``, ``max``."""
+    if speed is None:
+        return FASTEST
+    return f"{speed:g}" if speed >= 1.0 else f"1/{1.0 / speed:g}"
+
+
+LABELS: dict[str, float | None] = {speed_label(speed): speed for speed in (*SPEEDS, None)}
+
+
+class PlaybackPanel:
+    """How time passes."""
+
+    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+        self._desk = desk
+        self._auto_next = auto_next
+        self._actions: dict[str, Callable[[], Answer]] = {
+            "Play": self.toggle,
+            "Pause": self.toggle,
+            "Step": self.step,
+            "Reset": self.reset,
+            "Next": self.next_seed,
+        }
+        with gui.add_folder("Playback"):
+            self._buttons = gui.add_button_group("Trial", ("Pause", "Step", "Reset", "Next"))
+            self._speed = gui.add_dropdown("Speed", tuple(LABELS), initial_value=speed_label(1.0))
+            self._auto = gui.add_checkbox("Auto next", auto_next.enabled, hint="Go on with the next seed")
+        self._buttons.on_click(self._on_button)
+        self._speed.on_update(self._on_speed)
+        self._auto.on_update(self._on_auto)
+        self._add_keys(gui)
+
+    def show(self, view: View) -> None:
+        first = "Play" if view.state.pace.paused else "Pause"
+        self._buttons.options = (first, "Step", "Reset", "Next")
+        label = speed_label(view.state.pace.speed)
+        if self._desk.is_quiet("speed") and label in LABELS:
+            self._speed.value = label
+
+    def press(self, label: str) -> Answer:
+        """Raises ``NotFoundError`` for a button that is not there."""
+        return lookup("button", label, self._actions)()
+
+    def toggle(self) -> Answer:
+        """Pause or go on."""
+        self._desk.send(SetPaused(paused=not self._desk.session.state.pace.paused))
+        return None
+
+    def step(self) -> Answer:
+        """One tick."""
+        self._desk.send(StepOnce())
+        return None
+
+    def reset(self) -> Answer:
+        """The same trial from its start."""
+        return f"Trial restarted with seed {self._desk.restart().seed}."
+
+    def next_seed(self) -> Answer:
+        """The same problem with the next seed."""
+        seed = self._desk.session.state.restart.seed
+        return f"Trial restarted with seed {self._desk.restart(seed=seed + 1).seed}."
+
+    def set_speed(self, label: str) -> Answer:
+        """Raises ``NotFoundError`` for a label that is not offered."""
+        self._desk.send(checked(SetSpeed, speed=lookup("speed", label, LABELS)))
+        return None
+
+    def _on_button(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
+        label = event.target.value
+        self._desk.wish("button", lambda: self.press(label), event.client)
+
+    def _on_speed(self, event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
+        if event.client is None:
+            return
+        label = event.target.value
+        self._desk.wish("speed", lambda: self.set_speed(label), event.client)
+
+    def _on_auto(self, event: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
+        self._auto_next.enabled = bool(event.target.value)
+
+    def _add_keys(self, gui: viser.GuiApi) -> None:
+        def register(command: viser.CommandHandle, key: str, act: Callable[[], Answer]) -> None:
+            command.on_trigger(lambda event: self._desk.wish(key, act, event.client))
+
+        register(gui.add_command("Play or pause", hotkey="P"), "key P", self.toggle)
+        register(gui.add_command("One tick", hotkey="T"), "key T", self.step)
+        register(gui.add_command("Restart the trial", hotkey="R"), "key R", self.reset)
+        register(gui.add_command("Next seed", hotkey="N"), "key N", self.next_seed)

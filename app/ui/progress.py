@@ -1,0 +1,51 @@
+"""From trial to trial: how many were grasped, and when the next one begins by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from app.session import SessionState
+
+WAIT_S = 4.0
+"""How long an outcome stays on the page."""
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Trials of one kind that have ended since it was chosen."""
+
+    kind: tuple[object, ...] = ()
+    ended: int = 0
+    grasped: int = 0
+    last_run: object = None
+
+    def after(self, state: SessionState) -> Tally:
+        """This tally with the outcome in ``state``, if it has one that was not counted yet."""
+        restart = state.restart
+        kind = (restart.scenario, *sorted(restart.overrides.items()))
+        tally = self if kind == self.kind else Tally(kind)
+        if state.loading or state.snapshot is None or state.snapshot.outcome is None:
+            return tally
+        if state.started is tally.last_run:
+            return tally
+        grasped = tally.grasped + state.snapshot.outcome.strict
+        return replace(tally, ended=tally.ended + 1, grasped=grasped, last_run=state.started)
+
+
+class AutoNext:
+    """Says when the next seed is due."""
+
+    def __init__(self, enabled: bool) -> None:
+        self.enabled = enabled
+        self._run: object = None
+        self._due_s = 0.0
+
+    def remaining_s(self, state: SessionState, now_s: float) -> float | None:
+        """Seconds until the next trial, 0 or less when it is due; None while none is to come."""
+        over = state.snapshot is not None and state.snapshot.outcome is not None
+        if not self.enabled or not over or state.loading or state.pace.paused or state.status != "running":
+            self._run = None
+            return None
+        if self._run is not state.started:
+            self._run, self._due_s = state.started, now_s + WAIT_S
+        return self._due_s - now_s

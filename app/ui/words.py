@@ -1,0 +1,118 @@
+"""What phases, reasons and figures are called on the page. Whatever comes from outside is escaped here."""
+
+from __future__ import annotations
+
+from html import escape
+
+from app.ui.palette import BAD, GOOD, QUIET, Rgb, css
+from backend.pipeline.values import FailureReason, Outcome, Phase
+
+PHASES: dict[Phase, str] = {
+    "watch": "Watching the object",
+    "move": "Moving to the pregrasp",
+    "approach": "Approaching",
+    "close": "Closing the hand",
+    "lift": "Lifting",
+    "hold": "Holding",
+    "done": "Finished",
+}
+
+REASONS: dict[FailureReason, str] = {
+    "never_reachable": "The object never came within reach.",
+    "no_ik": "No joint angles reach any of the grasps.",
+    "no_plan": "No way without a collision was found.",
+    "approach_missed": "The hand closed beside the object.",
+    "dropped": "The object slipped out of the hand.",
+    "knocked_obstacle": "An obstacle was knocked.",
+    "belt_end": "The belt came to its end first.",
+    "object_fell": "The object fell off the belt.",
+    "timeout": "The time was up.",
+    "error": "The simulated world broke down.",
+}
+
+ROOMS = ("predict", "convert", "filter", "pick", "plan", "retime")
+
+
+def outcome_words(outcome: Outcome) -> tuple[str, str]:
+    """Headline and sentence."""
+    if outcome.strict:
+        return "Grasped", outcome.detail or "Lifted and held by the hand alone."
+    reason = REASONS[outcome.reason] if outcome.reason else ""
+    return "Not grasped", outcome.detail or reason
+
+
+def banner(headline: str, text: str, color: Rgb) -> str:
+    """HTML of a coloured block."""
+    return (
+        f'<div style="background:{css(color)};color:#fff;border-radius:6px;padding:8px 12px;margin:4px 8px">'
+        f'<div style="font-size:1.15em;font-weight:700">{escape(headline)}</div>'
+        f'<div style="font-size:0.85em;opacity:0.95">{escape(text)}</div></div>'
+    )
+
+
+def outcome_color(outcome: Outcome) -> Rgb:
+    return GOOD if outcome.strict else BAD
+
+
+def facts(rows: list[tuple[str, str]]) -> str:
+    """HTML of names and values."""
+    cells = "".join(
+        f'<tr><td style="color:{css(QUIET)};padding:1px 10px 1px 0;white-space:nowrap">{escape(name)}</td>'
+        f'<td style="text-align:right;font-variant-numeric:tabular-nums">{escape(value)}</td></tr>'
+        for name, value in rows
+    )
+    return f'<table style="width:calc(100% - 24px);margin:2px 12px;font-size:0.85em">{cells}</table>'
+
+
+def bars(rows: list[tuple[str, float, str]], color: Rgb) -> str:
+    """HTML of horizontal bars: name, share in 0..1, figure."""
+    lines = "".join(
+        f'<div style="display:flex;align-items:center;gap:6px;font-size:0.8em">'
+        f'<span style="width:56px;color:{css(QUIET)}">{escape(name)}</span>'
+        f'<span style="flex:1;background:rgba(134,142,150,0.18);border-radius:2px;height:8px">'
+        f'<span style="display:block;width:{100 * share:.0f}%;background:{css(color)};'
+        f'height:8px;border-radius:2px"></span></span>'
+        f'<span style="width:58px;text-align:right;font-variant-numeric:tabular-nums">{escape(figure)}</span>'
+        "</div>"
+        for name, share, figure in rows
+    )
+    return f'<div style="margin:4px 12px">{lines}</div>'
+
+
+def legend(rows: list[tuple[Rgb, str]]) -> str:
+    """HTML of coloured marks with their meaning, in two columns."""
+    marks = "".join(
+        f'<span style="display:flex;align-items:center;gap:6px">'
+        f'<span style="width:10px;height:10px;border-radius:3px;background:{css(color)}"></span>'
+        f"{escape(text)}</span>"
+        for color, text in rows
+    )
+    return (
+        '<div style="display:grid;grid-template-columns:1fr 1fr;gap:3px 8px;margin:4px 12px;font-size:0.8em">'
+        f"{marks}</div>"
+    )
+
+
+def heading(text: str) -> str:
+    """HTML of a small heading."""
+    return (
+        f'<div style="margin:8px 12px 2px;font-size:0.75em;font-weight:700;letter-spacing:0.05em;'
+        f'text-transform:uppercase;color:{css(QUIET)}">{escape(text)}</div>'
+    )
+
+
+def note(text: str) -> str:
+    """HTML of a quiet line."""
+    style = f"margin:2px 12px 6px;font-size:0.8em;color:{css(QUIET)};min-height:2.4em"
+    return f'<div style="{style}">{escape(text)}</div>'
+
+
+def crash_text(cause: str, traceback: str) -> str:
+    """HTML of a cause and, where there is one, its traceback."""
+    details = (
+        f'<pre style="max-height:300px;overflow:auto;font-size:0.75em;background:rgba(134,142,150,0.15);'
+        f'padding:8px;border-radius:4px;white-space:pre-wrap">{escape(traceback)}</pre>'
+        if traceback
+        else ""
+    )
+    return f'<div style="padding:4px 8px"><p style="margin:4px 0">{escape(cause)}</p>{details}</div>'

@@ -1,0 +1,68 @@
+"""A headless Chromium on the dashboard; the only file that knows viser's own test hooks."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import cast
+
+from playwright.sync_api import Locator, Page, sync_playwright
+
+FLAGS = (
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+POSITION = "name => window.__viserMutable?.nodeRefFromName?.[name]?.position?.toArray() ?? null"
+"""Where a scene node stands in its parent; null while it is not there."""
+
+
+@contextmanager
+def open_page(address: str, width: int = 1280, height: int = 720) -> Iterator[Page]:
+    """A page on ``address``, closed with its browser at the end."""
+    executable = next((path for path in map(shutil.which, NAMES) if path), None)
+    assert executable, f"None of {', '.join(NAMES)} is on the PATH: `make test` installs one."
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=executable, headless=True, args=list(FLAGS))
+        try:
+            page = browser.new_page(viewport={"width": width, "height": height})
+            page.set_default_timeout(15_000)
+            page.goto(address)
+            yield page
+        finally:
+            browser.close()
+
+
+def node_position(page: Page, name: str) -> list[float] | None:
+    """Position of a 3-D node in its parent's frame; None while it is not there."""
+    return cast("list[float] | None", page.evaluate(POSITION, name))
+
+
+def wait_for_node(page: Page, name: str, timeout_s: float = 15.0) -> None:
+    """Until a 3-D node is in the scene."""
+    page.wait_for_function(f"name => ({POSITION})(name) !== null", arg=name, timeout=1e3 * timeout_s)
+
+
+def button(page: Page, name: str) -> Locator:
+    return page.get_by_role("button", name=name, exact=True)
+
+
+def choose(page: Page, label: str, option: str) -> None:
+    """Pick an option of a drop-down."""
+    page.get_by_label(label, exact=True).first.click()
+    page.get_by_role("option", name=option, exact=True).click()
+
+
+def number_box(page: Page, label: str) -> Locator:
+    """The box beside a slider."""
+    uuid = page.locator("label", has_text=label).first.get_attribute("for")
+    return page.locator(f'[id="{uuid}"]').locator("xpath=..").locator("input").first
