@@ -11,15 +11,16 @@ from backend.events import MoveObstacle, SetBeltRate, WorldEvent
 from backend.objects import load_object
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
-from backend.sim.bullet import STEP_S, Bullet, GripperDrive
+from backend.sim.bullet import GRAVITY_MPS2, STEP_S, Bullet, GripperDrive
 from backend.sim.conveyor import Conveyor
 from backend.tasks.setup import TrialSetup
 
-TRAY_MASS_KG = 20.0
-TRAY_FORCE_N = 2e4
+TRAY_MASS_KG = 1000.0
+"""So heavy that its load does not move it; see ``_carry``."""
 SETTLE_S = 2.0
 REST_SPEED_MPS = 1e-4
 DIVERGED_M = 5.0
+NO_SPIN = np.zeros(3)
 
 
 class World:
@@ -41,8 +42,7 @@ class World:
         self._tray = self._bullet.add_box(
             setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG
         )
-        self._tie = self._bullet.tie_to_world(self._tray, T_world_tray @ self._tray_center, TRAY_FORCE_N)
-        self._bullet.ignore_contacts(self._tray, "", self._robot.body, "base_link")
+        self._bullet.ignore_contacts(self._tray, "", self._robot.body, "")
         self._bullet.ignore_contacts(self._tray, "", self._floor, "")
         T_tray_object = Pose.from_xyz_yaw((0.0, 0.0, 0.0), setup.object_yaw_rad)
         self._target = self._bullet.add_object(self.object, T_world_tray @ T_tray_object)
@@ -68,12 +68,19 @@ class World:
 
     def step(self, q: Array, qd: Array) -> None:
         """One physics step towards joint positions ``q`` (dof,) rad moving at ``qd`` (dof,) rad/s."""
+        before = self.conveyor.pose()
         self.conveyor.advance(STEP_S)
-        self._bullet.move_tie(self._tie, self.conveyor.pose() @ self._tray_center)
+        self._carry(before, (self.conveyor.pose().xyz_m - before.xyz_m) / STEP_S)
         self._robot.command(q, qd)
         self._robot.command_gripper(self.gripper.update(STEP_S))
         self._bullet.step()
         self.steps += 1
+
+    def step_bare(self, q: Array, qd: Array, count: int) -> None:
+        """Nothing but physics: hold the arm at ``q`` and step, for comparison with whole trials."""
+        self._robot.command(q, qd)
+        self._bullet.step(count)
+        self.steps += count
 
     def apply(self, event: WorldEvent) -> None:
         """Carry out a live edit; raises ``InvalidInputError`` for an obstacle that does not exist."""
@@ -86,7 +93,7 @@ class World:
                     raise InvalidInputError(f"There is no obstacle {event.index}; this scene has {there}.")
                 pose = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
                 self._bullet.set_pose(self._obstacles[event.index], pose)
-                self._bullet.set_velocity(self._obstacles[event.index], np.zeros(3), np.zeros(3))
+                self._bullet.set_velocity(self._obstacles[event.index], NO_SPIN, NO_SPIN)
 
     def q(self) -> Array:
         """(dof,) rad."""
@@ -145,11 +152,24 @@ class World:
                 others = True
         return links, others
 
+    def _carry(self, T_world_tray: Pose, velocity_mps: Array) -> None:
+        """Drive the tray through the coming step with a velocity that friction sees.
+
+        Bullet's kinematic bodies stand still for friction, and a constraint lags four steps behind and jerks at the
+        start; so the tray is a free body, put on its way before every step, against the gravity of that step.
+        """
+        self._bullet.set_pose(self._tray, T_world_tray @ self._tray_center)
+        self._bullet.set_velocity(
+            self._tray, velocity_mps + np.array([0.0, 0.0, GRAVITY_MPS2 * STEP_S]), NO_SPIN
+        )
+
     def _settle(self, home: Array) -> None:
         """Let everything come to rest on the standing belt, then set the belt and its load in motion."""
+        T_world_tray = self.conveyor.pose()
         still = np.zeros_like(home)
         quiet = 0
         for _ in range(int(SETTLE_S / STEP_S)):
+            self._carry(T_world_tray, NO_SPIN)
             self._robot.command(home, still)
             self._robot.command_gripper(self.gripper.update(STEP_S))
             self._bullet.step()
@@ -158,6 +178,4 @@ class World:
             quiet = quiet + 1 if speed < REST_SPEED_MPS else 0
             if quiet >= 24:
                 break
-        velocity = self.conveyor.velocity_mps()
-        for body in (self._tray, self._target):
-            self._bullet.set_velocity(body, velocity, np.zeros(3))
+        self._bullet.set_velocity(self._target, self.conveyor.velocity_mps(), NO_SPIN)

@@ -1,0 +1,74 @@
+"""``bench``: wall time of each room, bare stepping rate of the same world, and the ratio of a trial to it."""
+
+import argparse
+import json
+import time
+from typing import Any
+
+import numpy as np
+
+from backend.cli.machine import machine
+from backend.episode import Episode
+from backend.errors import InvalidInputError
+from backend.pipeline.values import Room
+from backend.scenario import Scenario, load_scenario, with_overrides
+
+
+
+def run(options: argparse.Namespace) -> int:
+    """Print times and ratios, all from one run on this machine; always 0."""
+    if options.trials < 1:
+        raise InvalidInputError(f"--trials must be at least 1 (got {options.trials})")
+    scenario = load_scenario(options.scenario)
+    rooms = _rooms(with_overrides(scenario, ["timing.think=budget"]), options.trials)
+    ratio = _ratio(with_overrides(scenario, ["timing.think=paper"]), options.trials)
+    table: dict[str, Any] = {"machine": machine(), "scenario": options.scenario, "rooms": rooms, **ratio}
+    if options.json:
+        print(json.dumps(table))
+        return 0
+    print(f"{table['machine']}; {options.scenario}, {options.trials} trials")
+    for room, line in rooms.items():
+        print(f"  {room:<10} median {line['median_ms']:7.2f} ms   95 % within {line['p95_ms']:7.2f} ms")
+    print(f"  bare stepping {ratio['bare_steps_per_s']:.0f} steps/s")
+    print(f"  a whole trial, `paper` charge: {ratio['trial_to_bare']:.2f} x bare stepping of as many steps")
+    return 0
+
+
+def _rooms(scenario: Scenario, trials: int) -> dict[str, dict[str, float]]:
+    """Median and 95th percentile of every room and of whole cycles, over all cycles of some trials."""
+    times: dict[Room | str, list[float]] = {}
+    for seed in range(trials):
+        with Episode(scenario, seed) as episode:
+            number = -1
+            for snapshot in episode.run():
+                cycle = snapshot.cycle
+                if cycle is not None and cycle.number != number:
+                    number = cycle.number
+                    for room, room_s in cycle.room_s.items():
+                        times.setdefault(room, []).append(room_s)
+                    if cycle.trajectory is not None:
+                        times.setdefault("cycle", []).append(sum(cycle.room_s.values()))
+    return {
+        room: {"median_ms": 1e3 * float(np.median(t)), "p95_ms": 1e3 * float(np.percentile(t, 95))}
+        for room, t in times.items()
+    }
+
+
+def _ratio(scenario: Scenario, trials: int) -> dict[str, float]:
+    """Wall time of trials from first to last step, against bare stepping of the same worlds, turn by turn."""
+    trial_s = bare_s = 0.0
+    steps = 0
+    for seed in range(trials):
+        with Episode(scenario, seed) as episode:
+            begun_s = time.perf_counter()
+            for _ in episode.run():
+                pass
+            trial_s += time.perf_counter() - begun_s
+            done = episode.world.steps
+        with Episode(scenario, seed) as episode:
+            q, qd = episode.world.q(), np.zeros_like(episode.world.q())
+            begun_s = time.perf_counter()
+            episode.world.step_bare(q, qd, done)
+            bare_s += time.perf_counter() - begun_s
+        steps += done
+    return {"bare_steps_per_s": steps / bare_s, "trial_to_bare": trial_s / bare_s, "trials": float(trials)}
