@@ -174,6 +174,18 @@ class Bullet:
             constraint, jointChildPivot=xyz, jointChildFrameOrientation=xyzw, physicsClientId=self.id
         )
 
+    def carry(self, body: int, xyz_m: Array, wxyz: Array, velocity_mps: Array) -> None:
+        """Drive a free, heavy, symmetric body through the coming step: from a position, at a velocity.
+
+        Bullet's kinematic bodies stand still for friction, and a tie lags behind and jerks at the start; a body
+        that is put on its way before every step, against the gravity of that step, carries its load without slip.
+        """
+        w, x, y, z = wxyz.tolist()
+        vx, vy, vz = velocity_mps.tolist()
+        _p.resetBasePositionAndOrientation(body, xyz_m.tolist(), (x, y, z, w), physicsClientId=self._id)
+        against = vz + GRAVITY_MPS2 * STEP_S
+        _p.resetBaseVelocity(body, (vx, vy, against), (0.0, 0.0, 0.0), physicsClientId=self._id)
+
     def contacts(self, body_a: int, body_b: int | None = None) -> list[Contact]:
         """Contact points of the last step, of one body with any other, or of two."""
         others = {} if body_b is None else {"bodyB": body_b}

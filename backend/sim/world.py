@@ -11,12 +11,12 @@ from backend.events import MoveObstacle, SetBeltRate, WorldEvent
 from backend.objects import load_object
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
-from backend.sim.bullet import GRAVITY_MPS2, STEP_S, Bullet, GripperDrive
+from backend.sim.bullet import STEP_S, Bullet, GripperDrive
 from backend.sim.conveyor import Conveyor
 from backend.tasks.setup import TrialSetup
 
 TRAY_MASS_KG = 1000.0
-"""So heavy that its load does not move it; see ``_carry``."""
+"""So heavy that its load does not move it."""
 SETTLE_S = 2.0
 REST_SPEED_MPS = 1e-4
 DIVERGED_M = 5.0
@@ -38,7 +38,8 @@ class World:
         self._robot = self._bullet.add_robot(model, home, model.description.gripper.open_rad)
         self.gripper = GripperDrive(model.description.gripper)
         self._tray_center = Pose.of((0.0, 0.0, -setup.tray_size_m[2] / 2))
-        T_world_tray = self.conveyor.pose()
+        T_world_tray = self.conveyor.pose
+        self._tray_wxyz = T_world_tray.wxyz
         self._tray = self._bullet.add_box(
             setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG
         )
@@ -68,9 +69,9 @@ class World:
 
     def step(self, q: Array, qd: Array) -> None:
         """One physics step towards joint positions ``q`` (dof,) rad moving at ``qd`` (dof,) rad/s."""
-        before = self.conveyor.pose()
+        before = self.conveyor.pose.xyz_m
         self.conveyor.advance(STEP_S)
-        self._carry(before, (self.conveyor.pose().xyz_m - before.xyz_m) / STEP_S)
+        self._carry(before, (self.conveyor.pose.xyz_m - before) / STEP_S)
         self._robot.command(q, qd)
         self._robot.command_gripper(self.gripper.update(STEP_S))
         self._bullet.step()
@@ -152,24 +153,17 @@ class World:
                 others = True
         return links, others
 
-    def _carry(self, T_world_tray: Pose, velocity_mps: Array) -> None:
-        """Drive the tray through the coming step with a velocity that friction sees.
-
-        Bullet's kinematic bodies stand still for friction, and a constraint lags four steps behind and jerks at the
-        start; so the tray is a free body, put on its way before every step, against the gravity of that step.
-        """
-        self._bullet.set_pose(self._tray, T_world_tray @ self._tray_center)
-        self._bullet.set_velocity(
-            self._tray, velocity_mps + np.array([0.0, 0.0, GRAVITY_MPS2 * STEP_S]), NO_SPIN
-        )
+    def _carry(self, tray_xyz_m: Array, velocity_mps: Array) -> None:
+        """Drive the tray through the coming step; it never turns."""
+        self._bullet.carry(self._tray, tray_xyz_m + self._tray_center.xyz_m, self._tray_wxyz, velocity_mps)
 
     def _settle(self, home: Array) -> None:
         """Let everything come to rest on the standing belt, then set the belt and its load in motion."""
-        T_world_tray = self.conveyor.pose()
+        T_world_tray = self.conveyor.pose
         still = np.zeros_like(home)
         quiet = 0
         for _ in range(int(SETTLE_S / STEP_S)):
-            self._carry(T_world_tray, NO_SPIN)
+            self._carry(T_world_tray.xyz_m, NO_SPIN)
             self._robot.command(home, still)
             self._robot.command_gripper(self.gripper.update(STEP_S))
             self._bullet.step()
