@@ -11,9 +11,9 @@ from backend.pose import Array
 from backend.snapshot import SceneDescription
 
 FIELD_OF_VIEW_RAD = 0.8
-SIDE_RAD = 0.9
+SIDE_RAD = 0.55
 """The view is turned this much from the line between robot and belt, so that neither hides the other."""
-ELEVATION_RAD = 0.5
+ELEVATION_RAD = 0.55
 SAME_PLACE_M = 0.02
 
 

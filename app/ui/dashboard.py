@@ -10,17 +10,19 @@ import time
 import viser
 
 from app.session import Session, SessionState
-from app.ui import palette, words
+from app.ui import palette
 from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
 from app.ui.layers import LAYERS, Layer, Picture
 from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, View
+from app.ui.panels.legend import add_legend
 from app.ui.progress import AutoNext, Tally
 from backend.errors import GraspingError
 from backend.pipeline.values import CycleResult
 
 FRAME_S = 1 / 30
 PANELS_S = 1 / 5
+AMBIENT = 0.9
 
 
 class Dashboard:
@@ -59,8 +61,23 @@ class Dashboard:
         scene.configure_default_lights(True, cast_shadow=not low_fx)
         if low_fx:
             scene.configure_environment_map(None)
+            scene.add_light_ambient("/light", intensity=AMBIENT)
         scene.world_axes.visible = False
-        scene.add_grid("/floor", 4.0, 4.0, cell_size=0.1, section_size=0.5)
+        scene.add_grid(
+            "/floor",
+            6.0,
+            6.0,
+            cell_size=0.1,
+            cell_color=palette.FLOOR_CELL,
+            section_size=0.5,
+            section_color=palette.FLOOR_SECTION,
+            plane_color=palette.FLOOR,
+            plane_opacity=1.0,
+            fade_distance=5.0,
+            fade_strength=1.5,
+            fade_from="origin",
+            position=(0.0, 0.0, -0.001),
+        )
         gui.configure_theme(brand_color=palette.BRAND, show_logo=False, show_share_button=False)
         left = gui.add_panel()
         left.dock_left()
@@ -69,17 +86,10 @@ class Dashboard:
         gui.main_panel.set_width(290)
         with left.add_tab("Trial"):
             self._panels = [panel(gui, self._desk, self._auto_next) for panel in STATUS_PANELS]
-            gui.add_html(words.heading("Legend") + words.legend([row for x in LAYERS for row in x.swatches]))
         self._panels += [panel(gui, self._desk, self._auto_next) for panel in CONTROL_PANELS]
-        with gui.add_folder("Show", expand_by_default=False):
-            for layer in self._layers:
-                self._add_switch(gui, layer)
+        add_legend(gui, self._layers)
         reset = gui.add_command("Reset the view", hotkey="V")
         reset.on_trigger(lambda event: self._camera.reset(event.client) if event.client else None)
-
-    def _add_switch(self, gui: viser.GuiApi, layer: Layer) -> None:
-        switch = gui.add_checkbox(layer.title, True)
-        switch.on_update(lambda event: layer.show(bool(event.target.value)))
 
     def _run(self) -> None:
         due_s = time.perf_counter()

@@ -3,6 +3,9 @@
 Rgb = tuple[int, int, int]
 
 BRAND: Rgb = (24, 100, 171)
+FLOOR: Rgb = (246, 247, 249)
+FLOOR_CELL: Rgb = (228, 231, 235)
+FLOOR_SECTION: Rgb = (206, 212, 218)
 BELT: Rgb = (104, 114, 128)
 BELT_ARROW: Rgb = (255, 255, 255)
 TRAY: Rgb = (52, 60, 74)

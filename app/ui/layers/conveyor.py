@@ -20,7 +20,7 @@ class ConveyorLayer:
     """Belt and tray."""
 
     title = "Conveyor"
-    swatches: tuple[tuple[Rgb, str], ...] = ((palette.BELT, "Belt and its direction"),)
+    swatches: tuple[tuple[Rgb, str], ...] = ((palette.BELT, "Belt"),)
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene

@@ -22,8 +22,8 @@ class GraspsLayer:
 
     title = "Grasps"
     swatches: tuple[tuple[Rgb, str], ...] = (
-        (palette.RANKS[0], "Shortlist, best"),
-        (palette.RANKS[-1], "Shortlist, last"),
+        (palette.RANKS[0], "Best grasp"),
+        (palette.RANKS[-1], "Last of shortlist"),
         (palette.PICKED, "Picked grasp"),
     )
 

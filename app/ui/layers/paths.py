@@ -78,7 +78,7 @@ class PlansLayer:
     title = "Plans"
     swatches: tuple[tuple[Rgb, str], ...] = (
         (palette.PLAN, "Current plan"),
-        (palette.SEED_PLAN, "Plan that seeded it"),
+        (palette.SEED_PLAN, "Its seed"),
     )
 
     def __init__(self, scene: viser.SceneApi) -> None:
@@ -108,7 +108,7 @@ class TrailLayer:
     """Where the hand has been in the last seconds."""
 
     title = "Hand trail"
-    swatches: tuple[tuple[Rgb, str], ...] = ((palette.TRAIL, "Trail of the hand"),)
+    swatches: tuple[tuple[Rgb, str], ...] = ((palette.TRAIL, "Hand trail"),)
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._scene = scene

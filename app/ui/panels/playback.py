@@ -36,20 +36,21 @@ class PlaybackPanel:
             "Pause": self.toggle,
             "Step": self.step,
             "Reset": self.reset,
-            "Next": self.next_seed,
+            "Next seed": self.next_seed,
         }
         with gui.add_folder("Playback"):
-            self._buttons = gui.add_button_group("Trial", ("Pause", "Step", "Reset", "Next"))
+            self._time = gui.add_button_group("Time", ("Pause", "Step"))
+            self._trial = gui.add_button_group("Trial", ("Reset", "Next seed"))
             self._speed = gui.add_dropdown("Speed", tuple(LABELS), initial_value=speed_label(1.0))
             self._auto = gui.add_checkbox("Auto next", auto_next.enabled, hint="Go on with the next seed")
-        self._buttons.on_click(self._on_button)
+        self._time.on_click(self._on_button)
+        self._trial.on_click(self._on_button)
         self._speed.on_update(self._on_speed)
         self._auto.on_update(self._on_auto)
         self._add_keys(gui)
 
     def show(self, view: View) -> None:
-        first = "Play" if view.state.pace.paused else "Pause"
-        self._buttons.options = (first, "Step", "Reset", "Next")
+        self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
         label = speed_label(view.state.pace.speed)
         if self._desk.is_quiet("speed") and label in LABELS:
             self._speed.value = label

@@ -37,7 +37,7 @@ class ScenarioPanel:
         with gui.add_folder("Belt"):
             self._speed = gui.add_slider("Speed cm/s", -20.0, 20.0, 0.1, 0.0)
             self._factor = gui.add_slider("Speed factor", -LIVE_RATE, LIVE_RATE, 0.1, 1.0, visible=False)
-            self._direction = gui.add_button_group("Direction", ("Forward", "Stop", "Backward"))
+            self._direction = gui.add_button_group("Direction", ("Forth", "Stop", "Back"))
             self._status = gui.add_html("")
         self._scenario.on_update(self._choose("scenario", self.set_scenario))
         self._object.on_update(self._choose("object", lambda name: self.override("object", name)))
@@ -100,11 +100,12 @@ class ScenarioPanel:
         """Run the belt forward or backward at its speed, or stop it."""
         snapshot = self._desk.session.state.snapshot
         pace = abs(snapshot.belt_rate) if snapshot and abs(snapshot.belt_rate) > 0.05 else 1.0
-        rates = {"Forward": pace, "Stop": 0.0, "Backward": -pace}
+        rates = {"Forth": pace, "Stop": 0.0, "Back": -pace}
         if label not in rates:
             raise InvalidInputError(f"direction: choose one of {', '.join(rates)} (got {label!r})")
         self.set_rate(rates[label])
-        return {"Stop": "Belt stopped"}.get(label, f"Belt runs {label.lower()}") + " in the running trial."
+        done = {"Forth": "runs forth", "Stop": "stopped", "Back": "runs back"}[label]
+        return f"Belt {done} in the running trial."
 
     def _is_running(self) -> bool:
         state = self._desk.session.state

@@ -46,17 +46,12 @@ def _banner(view: View) -> str:
 
 
 def _trial_rows(state: SessionState, tally: Tally) -> list[tuple[str, str]]:
-    snapshot, info = state.snapshot, state.info
+    snapshot = state.snapshot
     share = f" ({100 * tally.grasped / tally.ended:.0f} %)" if tally.ended else ""
-    rows = [
-        ("Robot", info.robot),
-        ("Object", info.object),
-        ("Method", info.method),
-        ("Seed", str(state.restart.seed)),
-    ]
+    rows: list[tuple[str, str]] = []
     if snapshot is not None:
         distance_m = float(((snapshot.T_world_tcp.xyz_m - snapshot.T_world_object.xyz_m) ** 2).sum() ** 0.5)
-        rows += [
+        rows = [
             ("Simulated time", f"{snapshot.t_s:.1f} s"),
             ("Real-time factor", f"{state.pace.real_time_factor:.2f}"),
             ("Hand to object", f"{100 * distance_m:.1f} cm"),
