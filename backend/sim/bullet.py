@@ -230,7 +230,9 @@ class Bullet:
         return body
 
     def _load(self, urdf: Path, *, fixed: bool) -> int:
-        body: int = _p.loadURDF(str(urdf), useFixedBase=fixed, physicsClientId=self.id)
+        body: int = _p.loadURDF(
+            str(urdf), useFixedBase=fixed, flags=_p.URDF_USE_INERTIA_FROM_FILE, physicsClientId=self.id
+        )
         dynamics = _p.getDynamicsInfo(body, -1, physicsClientId=self.id)
         return self._register(body, _pose((dynamics[3], dynamics[4])), 0.5)
 

@@ -1,0 +1,1 @@
+"""How each piece of knowledge is made: offline, repeatable by seed, one command each."""

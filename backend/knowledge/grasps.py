@@ -1,0 +1,108 @@
+"""GraspDatabase: how a hand can hold an object, and how often each grasp has held it in simulated lifts."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backend.errors import InvalidInputError, MissingResourceError, lookup
+from backend.pose import Array
+
+Counts = NDArray[np.int64]
+FORMAT = 1
+
+
+@dataclass(frozen=True, eq=False)
+class GraspDatabase:
+    """Grasps of one object by one hand, best first."""
+
+    robot: str
+    object: str
+    Ts_object_grasp: Array
+    """(n, 4, 4) tcp in the object frame."""
+    lifts: Counts
+    """(n,) simulated lifts of each grasp."""
+    successes: Counts
+    """(n,) how many of them held."""
+    facts: dict[str, Any] = field(default_factory=dict[str, Any])
+    """How it was made: seed, settings, versions."""
+
+    @property
+    def quality(self) -> Array:
+        """(n,) share of lifts that held."""
+        return self.successes / self.lifts
+
+    def __len__(self) -> int:
+        return len(self.lifts)
+
+
+def load_grasps(robot: str, object: str) -> GraspDatabase:
+    """The database that comes with the project.
+
+    Raises ``NotFoundError`` for unknown names and ``MissingResourceError`` for a database not built yet.
+    """
+    _check_names(robot, object)
+    path = grasp_file(robot, object)
+    if not path.is_file():
+        raise MissingResourceError(
+            f"There are no grasps of {object} for {robot}: {path} is missing. "
+            f"Make them with: python -m backend build grasps --robot {robot} --object {object}"
+        )
+    return read_grasps(path)
+
+
+def read_grasps(path: Path) -> GraspDatabase:
+    """A database from a file; raises ``InvalidInputError`` when the file is not one."""
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            facts = cast(dict[str, Any], json.loads(str(data["facts"])))
+            if facts.get("format") != FORMAT:
+                raise InvalidInputError(f"{path}: format {facts.get('format')}, this version reads {FORMAT}.")
+            Ts, lifts, successes = data["Ts_object_grasp"], data["lifts"], data["successes"]
+    except (OSError, ValueError, KeyError) as error:
+        raise InvalidInputError(f"{path}: not a grasp database ({error}).") from error
+    for array in (Ts, lifts, successes):
+        array.flags.writeable = False
+    return GraspDatabase(str(facts["robot"]), str(facts["object"]), Ts, lifts, successes, facts)
+
+
+def save_grasps(database: GraspDatabase, path: Path | None = None) -> Path:
+    """Write a database where ``load_grasps`` finds it, or to ``path``; all of it or nothing."""
+    path = path or grasp_file(database.robot, database.object)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    facts = {**database.facts, "format": FORMAT, "robot": database.robot, "object": database.object}
+    handle, aside = tempfile.mkstemp(prefix=f".{path.stem}-", dir=path.parent)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            np.savez_compressed(
+                file,
+                Ts_object_grasp=database.Ts_object_grasp,
+                lifts=database.lifts,
+                successes=database.successes,
+                facts=np.array(json.dumps(facts, sort_keys=True)),
+            )
+        Path(aside).chmod(0o644)
+        os.replace(aside, path)
+    finally:
+        Path(aside).unlink(missing_ok=True)
+    return path
+
+
+def grasp_file(robot: str, object: str) -> Path:
+    """Where the database of that pair is kept."""
+    return Path(__file__).parent.parent / "assets" / "grasps" / robot / f"{object}.npz"
+
+
+def _check_names(robot: str, object: str) -> None:
+    from backend.objects import OBJECTS
+    from backend.robots import ROBOTS
+
+    lookup("robot", robot, ROBOTS)
+    lookup("object", object, OBJECTS)
