@@ -1,4 +1,4 @@
-"""One setting for all property tests: the same examples on every machine, and no wall clock in the verdict."""
+"""One setting for all property tests: the same examples everywhere, and no wall clock in the verdict."""
 
 from hypothesis import settings
 

@@ -64,7 +64,7 @@ def bleach_cleanser() -> ObjectDescription:
         name="bleach_cleanser",
         title="Bleach cleanser",
         mass_kg=1.131,
-        convex_parts=convex_bands(BLEACH_SECTIONS, (0.170, 0.212, 0.225)),
+        convex_parts=convex_bands(BLEACH_SECTIONS, (0.170, 0.195, 0.225)),
         visual=loft(BLEACH_SECTIONS),
         color_rgb=(222, 232, 240),
         source=YCB_SOURCE,

@@ -9,8 +9,8 @@ from backend.tasks.setup import TrialSetup
 
 ARM_CLEARANCE_M = 0.01
 COLUMN_CLEARANCE_M = 0.005
-COLUMN_REACH_M = 0.05
-"""Spheres of the arm centred this close to the vertical through its base are its base and shoulder."""
+COLUMN_REACH_M, COLUMN_HEIGHT_M = 0.05, 0.3
+"""Spheres centred this close to the vertical through the base, and no higher, are base and shoulder."""
 PATH_SAMPLES = 41
 
 
@@ -26,7 +26,8 @@ def can_begin(setup: TrialSetup, target: ObjectDescription, arm_spheres_world: A
 
 def column(arm_spheres_world: Array) -> Array:
     """(m, 4) those of the spheres that stay where they are: base and shoulder."""
-    return arm_spheres_world[np.hypot(arm_spheres_world[:, 0], arm_spheres_world[:, 1]) <= COLUMN_REACH_M]
+    x, y, z, _ = arm_spheres_world.T
+    return arm_spheres_world[(np.hypot(x, y) <= COLUMN_REACH_M) & (z <= COLUMN_HEIGHT_M)]
 
 
 def cargo(setup: TrialSetup, target: ObjectDescription, T_world_tray: Pose) -> tuple[Prism, Prism]:
@@ -37,6 +38,8 @@ def cargo(setup: TrialSetup, target: ObjectDescription, T_world_tray: Pose) -> t
 
 
 def _way_is_clear(setup: TrialSetup, target: ObjectDescription, spheres_world: Array) -> bool:
+    if len(spheres_world) == 0:
+        return True
     times_s = np.linspace(0.0, setup.motion.duration_s, PATH_SAMPLES)
     return all(
         clear_of_spheres(solid, spheres_world, COLUMN_CLEARANCE_M)
