@@ -19,8 +19,8 @@ RobotArrays = tuple[Array, Array, Array, Integers, Integers]
 """links (dof + 1, 12), spheres (n, 4), groups (g, 4), index (g, 4), pairs (p, 2): see ``SphereModel``."""
 BodyArrays = tuple[Array, Array, Integers, Array, Integers, Array]
 """poses (m, 12); shapes (m, 8): bounding sphere, half extents, margin; kinds (m, 4): role, is a box, first
-part,
-and one past the last part; parts (k, 4): bounding spheres; part_planes (k, 2): first, one past the last; planes (p, 4)."""
+and one past the last part; parts (k, 4): bounding spheres; part_planes (k, 2): first and one past the last
+plane; planes (p, 4)."""
 Margins = tuple[float, float]
 """Metres to the floor and of the robot to itself; the bodies have their own."""
 

@@ -74,7 +74,13 @@ class Toppra(Config):
     grid_points: Annotated[int, Field(ge=50, le=1000)] = 100
 
 
-RetimerConfig = Annotated[Toppra, Field()]
+class Fast(Config):
+    """As ``Toppra``, by an own compiled forward-backward pass."""
+
+    kind: Literal["fast"] = "fast"
+
+
+RetimerConfig = Annotated[Toppra | Fast, Field(discriminator="kind")]
 
 
 class StepHorizon(Config):
@@ -117,5 +123,5 @@ class Method(Config):
     horizon: HorizonConfig = StepHorizon()
     filter: FilterConfig = IkFilter()
     planner: PlannerConfig = RrtConnect()
-    retimer: RetimerConfig = Toppra()
+    retimer: RetimerConfig = Fast()
     execution: Execution = Execution()
