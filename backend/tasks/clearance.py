@@ -3,7 +3,7 @@
 import numpy as np
 
 from backend.objects.description import ObjectDescription
-from backend.pose import Array, Pose
+from backend.pose import Array, Pose, inverse
 from backend.tasks.prism import Prism, clear_of_spheres
 from backend.tasks.setup import TrialSetup
 
@@ -38,11 +38,12 @@ def cargo(setup: TrialSetup, target: ObjectDescription, T_world_tray: Pose) -> t
 
 
 def _way_is_clear(setup: TrialSetup, target: ObjectDescription, spheres_world: Array) -> bool:
-    if len(spheres_world) == 0:
-        return True
+    """Seen from the tray, which meets the spheres wherever the belt takes it past them."""
     times_s = np.linspace(0.0, setup.motion.duration_s, PATH_SAMPLES)
-    return all(
-        clear_of_spheres(solid, spheres_world, COLUMN_CLEARANCE_M)
-        for t_s in times_s
-        for solid in cargo(setup, target, setup.motion.pose_at(t_s))
-    )
+    Ts_tray_world = inverse(np.stack([setup.motion.pose_at(t_s).matrix for t_s in times_s]))
+    centres = np.einsum("tij,nj->tni", Ts_tray_world[:, :3, :3], spheres_world[:, :3])
+    centres += Ts_tray_world[:, None, :3, 3]
+    radii = np.broadcast_to(spheres_world[:, 3:], (PATH_SAMPLES, len(spheres_world), 1))
+    spheres_tray = np.concatenate([centres, radii], axis=-1).reshape(-1, 4)
+    solids = cargo(setup, target, Pose.identity())
+    return all(clear_of_spheres(solid, spheres_tray, COLUMN_CLEARANCE_M) for solid in solids)
