@@ -1,4 +1,4 @@
-"""Grasp candidates from geometry: pairs of facing surface points, approached from every direction not from below."""
+"""Grasp candidates from geometry: pairs of facing surface points, approached from everywhere but below."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ FACING = float(np.cos(np.radians(20.0)))
 POINTS = 1200
 CLEARANCE_M = 0.008
 """The open hand is at least this much wider than what it closes on."""
+DEPTH_M = 0.012
+"""Along the approach, the pads' middle lies at most this far from what they close on."""
 MOST_UPWARD = 0.05
 """Largest z of an approach direction: the object stands on its tray."""
 
@@ -62,12 +64,12 @@ class AntipodalSampler:
         for _ in range(8):
             approach = self._across(closing)
             if band.holds(approach):
-                depth_m = self._rng.uniform(-0.5, 0.5) * self._hand.pad_depth_m
+                depth_m = self._rng.uniform(-DEPTH_M, DEPTH_M)
                 return _grasp((self._points[i] + self._points[j]) / 2 - depth_m * approach, closing, approach)
         return None
 
     def _facing(self, normals: Array) -> Array:
-        """(n, 2) indices of points whose normals point away from each other along the line that joins them."""
+        """(n, 2) indices of points whose normals point apart along the line that joins them."""
         between = self._points[None] - self._points[:, None]
         width = np.linalg.norm(between, axis=2)
         np.fill_diagonal(width, np.inf)
@@ -79,7 +81,7 @@ class AntipodalSampler:
         return np.stack([i, j], axis=1)[i < j]
 
     def _near_mass(self, center_of_mass: Array, height_m: float) -> Array:
-        """(n,) chances of the pairs: a weight far from the grip turns in it, so pairs near the mass come oftener."""
+        """(n,) chances of the pairs: weight far from the grip turns in it, so those near the mass come oftener."""
         middle = self._points[self._pairs].mean(axis=1)
         distance = np.linalg.norm(middle - center_of_mass, axis=1)
         weights = np.exp(-distance / max(0.04, 0.3 * height_m))

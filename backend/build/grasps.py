@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
+from itertools import zip_longest
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from backend.robots.models import load_model
 
 OnProgress = Callable[[str], None]
 CLEARED_AT_ONCE = 48
+FAIR_TURNS = 90
+"""After so many draws a band that yields too little gives its share to the others."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,7 @@ def build_grasps(
 
 
 def _clear_candidates(sampler: AntipodalSampler, bench: Bench, settings: GraspSettings) -> list[Array]:
-    """Candidates of all bands in turn, until there are enough or too many have been drawn."""
+    """Candidates, bands alternating, until there are enough or too many have been drawn."""
     found: list[list[Array]] = [[] for _ in BANDS]
     for turn in range(settings.draws // CLEARED_AT_ONCE):
         if sum(len(grasps) for grasps in found) >= settings.clean_lifts or not len(sampler):
@@ -85,10 +88,10 @@ def _clear_candidates(sampler: AntipodalSampler, bench: Bench, settings: GraspSe
         drawn = [sampler.draw(BANDS[band]) for _ in range(CLEARED_AT_ONCE)]
         Ts = np.array([T for T in drawn if T is not None]).reshape(-1, 4, 4)
         clear = [T for T, ok in zip(Ts, bench.is_clear(Ts), strict=True) if ok]
-        share = settings.clean_lifts // len(BANDS)
-        room = max(share - len(found[band]), 0) if turn < 30 * len(BANDS) else len(clear)
-        found[band] += clear[:room]
-    return [T for grasps in found for T in grasps][: settings.clean_lifts]
+        room = settings.clean_lifts // len(BANDS) - len(found[band])
+        found[band] += clear[: max(room, 0)] if turn < FAIR_TURNS else clear
+    in_turn = [T for row in zip_longest(*found) for T in row if T is not None]
+    return in_turn[: settings.clean_lifts]
 
 
 def _try(bench: Bench, racer: _Racer, rng: np.random.Generator | None) -> None:

@@ -48,11 +48,11 @@ class Bench:
             return [self._way_is_clear(bullet, hand, tray, target, Pose(T)) for T in Ts_object_grasp]
 
     def lift(self, T_object_grasp: Pose, rng: np.random.Generator | None) -> bool:
-        """Whether the hand brings the object up; with ``rng`` the object stands elsewhere than the hand believes."""
+        """Whether the hand brings the object up; with ``rng`` the object is not quite where the hand believes."""
         s = self.settings
         with self._world() as bullet:
             T_believed = Pose.of((0.0, 0.0, self._tray_m[2]))
-            tray, target = self._furnish(bullet, self._misplacement(rng))
+            _, target = self._furnish(bullet, self._misplacement(rng))
             grasp = T_believed @ T_object_grasp
             back = self.model.description.backoff_m
             hand = bullet.add_hand(self.model, grasp @ Pose.of((0.0, 0.0, -back)))
@@ -91,7 +91,9 @@ class Bench:
         x, y = rng.uniform(-s.noise_xy_m, s.noise_xy_m, 2)
         return Pose.from_xyz_yaw((x, y, 0.0), rng.uniform(-s.noise_yaw_rad, s.noise_yaw_rad))
 
-    def _way_is_clear(self, bullet: Bullet, hand: HandAlone, tray: int, target: int, T_object_grasp: Pose) -> bool:
+    def _way_is_clear(
+        self, bullet: Bullet, hand: HandAlone, tray: int, target: int, T_object_grasp: Pose
+    ) -> bool:
         s = self.settings
         grasp = Pose.of((0.0, 0.0, self._tray_m[2])) @ T_object_grasp
         back = self.model.description.backoff_m
@@ -104,7 +106,9 @@ class Bench:
         return True
 
     def _is_gripped(self, bullet: Bullet, hand: HandAlone, target: int) -> bool:
-        touching = {c.link_a if c.body_a == hand.body else c.link_b for c in bullet.contacts(hand.body, target)}
+        touching = {
+            c.link_a if c.body_a == hand.body else c.link_b for c in bullet.contacts(hand.body, target)
+        }
         return len(touching & set(self.model.description.gripper.finger_links)) >= 2
 
 

@@ -6,6 +6,7 @@ Coordinates are taken as written: the ``up_axis`` that exporters put into these 
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -105,9 +106,7 @@ def _faces(primitive: ET.Element) -> tuple[str, Array]:
     else:
         starts = np.cumsum([0, *map(int, (counts.text or "").split())])
         fans = [
-            (corners[a], corners[i], corners[i + 1])
-            for a, b in zip(starts[:-1], starts[1:], strict=True)
-            for i in range(a + 1, b - 1)
+            (corners[a], corners[i], corners[i + 1]) for a, b in pairwise(starts) for i in range(a + 1, b - 1)
         ]
         faces = np.array(fans, dtype=np.int64).reshape(-1, 3)
     return str(vertex.get("source"))[1:], faces

@@ -13,6 +13,7 @@ from backend.robots.description import (
 
 P = "m1n6s200_"
 TWO_PI = 2.0 * math.pi
+FINGERS = tuple(f"{P}link_finger_{part}" for part in ("1", "tip_1", "2", "tip_2"))
 
 HAND = GripperDescription(
     master_joint=f"{P}joint_finger_1",
@@ -26,11 +27,10 @@ HAND = GripperDescription(
         FollowerMotor(f"{P}joint_finger_tip_1", 0.0, 2.0),
         FollowerMotor(f"{P}joint_finger_tip_2", 0.0, 2.0),
     ),
-    finger_links=tuple(f"{P}link_finger_{kind}" for kind in ("1", "tip_1", "2", "tip_2")),
-    hand_links=(f"{P}link_6", f"{P}end_effector")
-    + tuple(f"{P}link_finger_{kind}" for kind in ("1", "tip_1", "2", "tip_2")),
+    finger_links=FINGERS,
+    hand_links=(f"{P}link_6", f"{P}end_effector", *FINGERS),
     opening_m=0.11,
-    pad_depth_m=0.03,
+    pad_depth_m=0.05,
 )
 
 MICO = RobotDescription(
@@ -49,12 +49,14 @@ MICO = RobotDescription(
         "paper": SpeedProfile(
             velocity_rps=(0.35,) * 6,
             acceleration_rps2=(3.5,) * 6,
-            source="speed: released evaluation of the paper; acceleration: full speed within 0.1 s, our choice",
+            source="speed: released evaluation of the paper; "
+            "acceleration: full speed within 0.1 s, our choice",
         ),
         "datasheet": SpeedProfile(
             velocity_rps=(0.628,) * 3 + (0.838,) * 3,
             acceleration_rps2=(3.14,) * 3 + (4.19,) * 3,
-            source="speed: kinova_description (36 and 48 deg/s); acceleration: full speed within 0.2 s, our choice",
+            source="speed: kinova_description (36 and 48 deg/s); "
+            "acceleration: full speed within 0.2 s, our choice",
         ),
     },
     allowed_self_contacts=frozenset(),

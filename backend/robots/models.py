@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import json
 import os
@@ -35,7 +36,7 @@ class RobotModel:
     """The hand alone, collision only; its root link is a free body with mass."""
     T_handroot_tcp: Pose
     spheres: dict[str, Array]
-    """Link name -> (n, 4) x, y, z, radius in the link frame, metres; together they cover the link's surface."""
+    """Link name -> (n, 4) x, y, z, radius in the link frame, metres; they cover the link's surface."""
 
 
 def load_model(name: str) -> RobotModel:
@@ -69,24 +70,25 @@ def cache_folder() -> Path:
 
 
 def _make(description: RobotDescription, source: RobotSource, root: Path, folder: Path) -> None:
-    """Make the model aside, then move it into place in one step; another process may have been faster."""
+    """Make the model aside, then move it into place in one step; other processes wait for the first one."""
     from backend.robots.making import make_model
 
     folder.parent.mkdir(parents=True, exist_ok=True)
-    aside = Path(tempfile.mkdtemp(prefix=f".{description.name}-", dir=folder.parent))
-    try:
-        make_model(description, source, root, aside)
-        aside.chmod(0o755)
-        os.rename(aside, folder)
-    except OSError:
-        if not folder.is_dir():
-            raise
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+    with open(folder.parent / f".{description.name}.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if folder.is_dir():
+            return
+        aside = Path(tempfile.mkdtemp(prefix=f".{description.name}-", dir=folder.parent))
+        try:
+            make_model(description, source, root, aside)
+            aside.chmod(0o755)
+            os.rename(aside, folder)
+        finally:
+            shutil.rmtree(aside, ignore_errors=True)
 
 
 def _fingerprint(description: RobotDescription, source: RobotSource, root: Path) -> str:
-    """Hash over what a model is made from: the source files (path, size, time), the description, the makers' code."""
+    """Hash over what a model is made from: source files (path, size, time), description, the makers' code."""
     digest = hashlib.sha256()
     for path in source_files(source, root):
         stat = path.stat()

@@ -36,7 +36,7 @@ def surface_points(mesh: trimesh.Trimesh, spacing_m: float, seed: int) -> Array:
 
 
 def convex_pieces(points: Array, most: int, least_gain: float) -> list[ConvexPiece]:
-    """Hulls that together hold all points (n, 3): at most ``most``, each cut saving ``least_gain`` of volume."""
+    """Hulls that together hold all points (n, 3): ``most`` at most, each cut saving ``least_gain`` of volume."""
     parts = [points]
     volume = ConvexHull(points).volume
     while len(parts) < most:

@@ -12,7 +12,8 @@ from backend.robots.description import (
 )
 
 TWO_PI = 2.0 * math.pi
-LINKS = ("outer_knuckle", "outer_finger", "inner_finger", "inner_finger_pad", "inner_knuckle")
+FINGER = ("outer_knuckle", "outer_finger", "inner_finger", "inner_finger_pad", "inner_knuckle")
+FINGERS = tuple(f"{side}_{link}" for side in ("left", "right") for link in FINGER)
 
 HAND = GripperDescription(
     master_joint="finger_joint",
@@ -30,11 +31,10 @@ HAND = GripperDescription(
         FollowerMotor("left_inner_knuckle_joint", 1.0, 0.5),
         FollowerMotor("right_inner_knuckle_joint", 1.0, 0.5),
     ),
-    finger_links=tuple(f"{side}_{link}" for side in ("left", "right") for link in LINKS),
-    hand_links=("robotiq_arg2f_base_link",)
-    + tuple(f"{side}_{link}" for side in ("left", "right") for link in LINKS),
+    finger_links=FINGERS,
+    hand_links=("robotiq_arg2f_base_link", *FINGERS),
     opening_m=0.086,
-    pad_depth_m=0.02,
+    pad_depth_m=0.03,
 )
 
 UR5_ROBOTIQ = RobotDescription(
@@ -70,5 +70,11 @@ UR5_ROBOTIQ = RobotDescription(
             "acceleration: full speed within 0.5 s, our choice",
         ),
     },
-    allowed_self_contacts=frozenset(),
+    allowed_self_contacts=frozenset(
+        {
+            frozenset({"base_link", "upper_arm_link"}),
+            frozenset({"forearm_link", "wrist_2_link"}),
+            frozenset({"wrist_1_link", "wrist_3_link"}),
+        }
+    ),
 )

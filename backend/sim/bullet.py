@@ -13,10 +13,11 @@ import pybullet
 from backend.errors import NotFoundError, SimulationError, not_found_text
 from backend.objects.description import ObjectDescription
 from backend.pose import Array, Pose
-from backend.robots.description import GripperDescription
 from backend.robots.models import RobotModel
 from backend.sim.gripper import GripperDrive
+from backend.sim.hand import HandAlone
 from backend.sim.object_files import object_mesh_file
+from backend.sim.robot import Robot
 
 __all__ = ["STEP_S", "Bullet", "Contact", "GripperDrive", "HandAlone", "Robot"]
 
@@ -24,11 +25,9 @@ STEP_S = 1 / 240
 SOLVER_ITERATIONS = 100
 GRAVITY_MPS2 = 9.81
 FLOOR_FRICTION = 1.0
-PAD_FRICTION = 1.0
-"""Rubber pads; PyBullet multiplies it with the object's."""
 SPINNING_FRICTION = 0.002
 TIE_ERP = 0.8
-HAND_FORCE_N = 5e3
+"""Share of a tie's error that one step removes; PyBullet has one figure for all joint constraints."""
 _p = cast(Any, pybullet)
 _Frame = tuple[Sequence[float], Sequence[float]]
 """PyBullet's (xyz, xyzw)."""
@@ -177,8 +176,8 @@ class Bullet:
     def carry(self, body: int, xyz_m: Array, wxyz: Array, velocity_mps: Array) -> None:
         """Drive a free, heavy, symmetric body through the coming step: from a position, at a velocity.
 
-        Bullet's kinematic bodies stand still for friction, and a tie lags behind and jerks at the start; a body
-        that is put on its way before every step, against the gravity of that step, carries its load without slip.
+        Bullet's kinematic bodies stand still for friction, and a tie lags behind and jerks at the start; a
+        body put on its way before every step, against the gravity of that step, carries its load without slip.
         """
         w, x, y, z = wxyz.tolist()
         vx, vy, vz = velocity_mps.tolist()
@@ -203,6 +202,89 @@ class Bullet:
             body, body, within_m, linkIndexA=a, linkIndexB=b, physicsClientId=self.id
         )
         return min((float(point[8]) for point in points), default=None)
+
+    def joints(self, body: int) -> dict[str, int]:
+        """The body's movable joints: name -> PyBullet's number."""
+        count: int = _p.getNumJoints(body, physicsClientId=self.id)
+        infos = [_p.getJointInfo(body, i, physicsClientId=self.id) for i in range(count)]
+        return {info[1].decode(): info[0] for info in infos if info[2] != _p.JOINT_FIXED}
+
+    def joint_states(self, body: int, joints: list[int]) -> Sequence[Sequence[float]]:
+        """(position, velocity, ...) of each joint."""
+        return _p.getJointStates(body, joints, physicsClientId=self.id)
+
+    def reset_joint(self, body: int, joint: int, rad: float) -> None:
+        """Put a joint at ``rad``, at rest."""
+        _p.resetJointState(body, joint, rad, 0.0, physicsClientId=self.id)
+
+    def drive(self, body: int, joint: int, rad: float, max_force: float, gain: float = 0.1) -> None:
+        """A position motor on one joint."""
+        _p.setJointMotorControl2(
+            body,
+            joint,
+            _p.POSITION_CONTROL,
+            targetPosition=rad,
+            force=max_force,
+            positionGain=gain,
+            physicsClientId=self.id,
+        )
+
+    def drive_all(
+        self,
+        body: int,
+        joints: list[int],
+        q: list[float],
+        qd: list[float],
+        max_force: list[float],
+        gains: list[float],
+    ) -> None:
+        """Position motors with velocity feed-forward on many joints, in one call."""
+        _p.setJointMotorControlArray(
+            body,
+            joints,
+            _p.POSITION_CONTROL,
+            targetPositions=q,
+            targetVelocities=qd,
+            forces=max_force,
+            positionGains=gains,
+            physicsClientId=self.id,
+        )
+
+    def release(self, body: int, joint: int) -> None:
+        """Switch off the motor that PyBullet gives every joint."""
+        _p.setJointMotorControl2(body, joint, _p.VELOCITY_CONTROL, force=0.0, physicsClientId=self.id)
+
+    def gear(
+        self, body: int, master: int, child: int, multiplier: float, max_force: float, erp: float
+    ) -> int:
+        """Couple two joints of a body, ``q_child = multiplier * q_master``; returns the constraint."""
+        zero = [0.0, 0.0, 0.0]
+        gear: int = _p.createConstraint(
+            body, master, body, child, _p.JOINT_GEAR, [1, 0, 0], zero, zero, physicsClientId=self.id
+        )
+        _p.changeConstraint(gear, gearRatio=-multiplier, maxForce=max_force, erp=erp, physicsClientId=self.id)
+        return gear
+
+    def remove_constraint(self, constraint: int) -> None:
+        """Undo ``tie_to_world`` or ``gear``."""
+        _p.removeConstraint(constraint, physicsClientId=self.id)
+
+    def set_friction(self, body: int, link: str, friction: float) -> None:
+        """Lateral friction of a link; a contact has the product of both sides'."""
+        index = self.link_index(body, link)
+        _p.changeDynamics(body, index, lateralFriction=friction, physicsClientId=self.id)
+
+    def make_intangible(self, body: int, joint: int) -> None:
+        """Let the link behind a joint pass through everything."""
+        _p.setCollisionFilterGroupMask(body, joint, 0, 0, physicsClientId=self.id)
+
+    def link_pose(self, body: int, link: str) -> Pose:
+        """T_world_link."""
+        index = self.link_index(body, link)
+        if index < 0:
+            return self.pose(body)
+        state = _p.getLinkState(body, index, computeForwardKinematics=True, physicsClientId=self.id)
+        return _pose((state[4], state[5]))
 
     def ignore_contacts(self, body_a: int, link_a: str, body_b: int, link_b: str) -> None:
         """Let two links pass through each other; ``""`` is a body's base."""
@@ -271,195 +353,6 @@ class Bullet:
         a, b = int(point[1]), int(point[2])
         names_a, names_b = self._names[a], self._names[b]
         return Contact(a, names_a[point[3]], b, names_b[point[4]], float(point[8]), float(point[9]))
-
-
-class _Hand:
-    """What the arm with its hand and the hand alone have in common: the fingers."""
-
-    def __init__(self, bullet: Bullet, body: int, gripper: GripperDescription) -> None:
-        self.body = body
-        self._bullet = bullet
-        self._gripper = gripper
-        client = bullet.id
-        infos = [
-            _p.getJointInfo(body, i, physicsClientId=client)
-            for i in range(_p.getNumJoints(body, physicsClientId=client))
-        ]
-        self._joints: dict[str, int] = {i[1].decode(): i[0] for i in infos if i[2] != _p.JOINT_FIXED}
-        self._movable = list(self._joints.values())
-        self._master = self._joints[gripper.master_joint]
-        self._gears: list[int] = []
-        for joint in self._fingers():
-            _p.setJointMotorControl2(body, joint, _p.VELOCITY_CONTROL, force=0.0, physicsClientId=client)
-        for link in gripper.finger_links:
-            index = bullet.link_index(body, link)
-            _p.changeDynamics(body, index, lateralFriction=PAD_FRICTION, physicsClientId=client)
-        for follower in gripper.followers:
-            if follower.multiplier != 0.0:
-                self._make_intangible(self._joints[follower.joint])
-
-    def joints_rad(self) -> dict[str, float]:
-        """Every movable joint by name."""
-        states = _p.getJointStates(self.body, self._movable, physicsClientId=self._bullet.id)
-        return {name: float(state[0]) for name, state in zip(self._joints, states, strict=True)}
-
-    def link_pose(self, link: str) -> Pose:
-        """T_world_link."""
-        index = self._bullet.link_index(self.body, link)
-        if index < 0:
-            return self._bullet.pose(self.body)
-        state = _p.getLinkState(
-            self.body, index, computeForwardKinematics=True, physicsClientId=self._bullet.id
-        )
-        return _pose((state[4], state[5]))
-
-    def command_gripper(self, rad: float) -> None:
-        """Target of the master joint for the coming steps."""
-        g, client = self._gripper, self._bullet.id
-        _p.setJointMotorControl2(
-            self.body,
-            self._master,
-            _p.POSITION_CONTROL,
-            targetPosition=rad,
-            force=g.max_force,
-            positionGain=g.position_gain,
-            physicsClientId=client,
-        )
-        at_rad = _p.getJointState(self.body, self._master, physicsClientId=client)[0]
-        for follower in g.followers:
-            _p.setJointMotorControl2(
-                self.body,
-                self._joints[follower.joint],
-                _p.POSITION_CONTROL,
-                targetPosition=follower.multiplier * at_rad,
-                force=follower.max_force,
-                physicsClientId=client,
-            )
-
-    def _fingers(self) -> list[int]:
-        g = self._gripper
-        return [self._joints[n] for n in (g.master_joint, *(f.joint for f in (*g.gears, *g.followers)))]
-
-    def _reset_fingers(self, rad: float) -> None:
-        """Put the fingers at ``rad`` and couple them anew: gears remember where they were made."""
-        client, g = self._bullet.id, self._gripper
-        for gear in self._gears:
-            _p.removeConstraint(gear, physicsClientId=client)
-        _p.resetJointState(self.body, self._master, rad, 0.0, physicsClientId=client)
-        for coupled in (*g.gears, *g.followers):
-            at = coupled.multiplier * rad
-            _p.resetJointState(self.body, self._joints[coupled.joint], at, 0.0, physicsClientId=client)
-        self._gears = [
-            self._couple(gear.joint, gear.multiplier, gear.max_force, gear.erp) for gear in g.gears
-        ]
-        self.command_gripper(rad)
-
-    def _couple(self, joint: str, multiplier: float, max_force: float, erp: float) -> int:
-        client, child = self._bullet.id, self._joints[joint]
-        zero = [0.0, 0.0, 0.0]
-        gear: int = _p.createConstraint(
-            self.body,
-            self._master,
-            self.body,
-            child,
-            _p.JOINT_GEAR,
-            [1, 0, 0],
-            zero,
-            zero,
-            physicsClientId=client,
-        )
-        _p.changeConstraint(gear, gearRatio=-multiplier, maxForce=max_force, erp=erp, physicsClientId=client)
-        return gear
-
-    def _make_intangible(self, link: int) -> None:
-        _p.setCollisionFilterGroupMask(self.body, link, 0, 0, physicsClientId=self._bullet.id)
-
-
-class Robot(_Hand):
-    """The arm with its hand inside one ``Bullet``."""
-
-    def __init__(self, bullet: Bullet, body: int, model: RobotModel) -> None:
-        super().__init__(bullet, body, model.description.gripper)
-        self.model = model
-        self._arm = [self._joints[name] for name in model.description.arm_joints]
-        self._efforts = list(model.description.joint_effort_nm)
-        self._position_gains = [0.3] * len(self._arm)
-        self._velocity_gains = [1.0] * len(self._arm)
-
-    def q(self) -> Array:
-        """(dof,) rad."""
-        return np.array([s[0] for s in self._states()])
-
-    def qd(self) -> Array:
-        """(dof,) rad/s."""
-        return np.array([s[1] for s in self._states()])
-
-    def command(self, q: Array, qd: Array) -> None:
-        """Follow a reference that is at ``q`` (dof,) rad now and moves at ``qd`` (dof,) rad/s."""
-        _p.setJointMotorControlArray(
-            self.body,
-            self._arm,
-            _p.POSITION_CONTROL,
-            targetPositions=q.tolist(),
-            targetVelocities=qd.tolist(),
-            forces=self._efforts,
-            positionGains=self._position_gains,
-            velocityGains=self._velocity_gains,
-            physicsClientId=self._bullet.id,
-        )
-
-    def reset(self, q: Array, gripper_rad: float) -> None:
-        """Be at rest at ``q`` (dof,) rad with the fingers at ``gripper_rad``, and stay there."""
-        for joint, rad in zip(self._arm, q, strict=True):
-            _p.resetJointState(self.body, joint, float(rad), 0.0, physicsClientId=self._bullet.id)
-        self._reset_fingers(gripper_rad)
-        self.command(q, np.zeros_like(q))
-
-    def tcp(self) -> Pose:
-        """T_world_tcp."""
-        description = self.model.description
-        return self.link_pose(description.flange_link) @ description.T_flange_tcp
-
-    def self_contacts(self, within_m: float = 0.0) -> set[frozenset[str]]:
-        """Pairs of links nearer than ``within_m``, but for the allowed pairs; for tests, not for control."""
-        from backend.robots.self_contacts import checked_pairs
-
-        found: set[frozenset[str]] = set()
-        for a, b in checked_pairs(self.model):
-            distance = self._bullet.link_distance_m(self.body, a, b, within_m)
-            if distance is not None and distance < within_m:
-                found.add(frozenset((a, b)))
-        return found
-
-    def _states(self) -> Sequence[Sequence[Any]]:
-        return _p.getJointStates(self.body, self._arm, physicsClientId=self._bullet.id)
-
-
-class HandAlone(_Hand):
-    """The hand on a free base that a moved constraint holds: for lifts without an arm."""
-
-    def __init__(self, bullet: Bullet, body: int, model: RobotModel, T_world_tcp: Pose) -> None:
-        super().__init__(bullet, body, model.description.gripper)
-        self.model = model
-        self._T_tcp_root = model.T_handroot_tcp.inverse()
-        root = T_world_tcp @ self._T_tcp_root
-        bullet.set_pose(body, root)
-        self._tie = bullet.tie_to_world(body, root, HAND_FORCE_N)
-        self._reset_fingers(model.description.gripper.open_rad)
-
-    def move_to(self, T_world_tcp: Pose) -> None:
-        """Let the tcp be at ``T_world_tcp`` after the next step."""
-        self._bullet.move_tie(self._tie, T_world_tcp @ self._T_tcp_root)
-
-    def reset(self, T_world_tcp: Pose, gripper_rad: float) -> None:
-        """Be at rest at ``T_world_tcp`` with the fingers at ``gripper_rad``."""
-        self._bullet.set_pose(self.body, T_world_tcp @ self._T_tcp_root)
-        self.move_to(T_world_tcp)
-        self._reset_fingers(gripper_rad)
-
-    def tcp(self) -> Pose:
-        """T_world_tcp."""
-        return self._bullet.pose(self.body) @ self.model.T_handroot_tcp
 
 
 def _pose(frame: _Frame) -> Pose:

@@ -1,4 +1,4 @@
-"""Objects as mesh files for PyBullet: one OBJ per object, one group per convex part, named by their contents."""
+"""Objects as mesh files for PyBullet: one OBJ per object, named by its contents, a group per convex part."""
 
 import hashlib
 import os
@@ -10,7 +10,7 @@ from backend.robots.models import cache_folder
 
 
 def object_mesh_file(description: ObjectDescription) -> Path:
-    """Path of the object's convex parts, written now if need be. PyBullet reads each group as one convex hull."""
+    """Path of the object's convex parts, written if need be. PyBullet reads each group as a convex hull."""
     text = _obj_text(description)
     path = (
         cache_folder()

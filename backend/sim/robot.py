@@ -1,0 +1,84 @@
+"""The arm with its hand in the simulated world."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from backend.pose import Array, Pose
+from backend.robots.models import RobotModel
+from backend.sim.hand import Hand
+
+if TYPE_CHECKING:
+    from backend.sim.bullet import Bullet
+
+POSITION_GAIN = 0.3
+
+
+class Robot(Hand):
+    """The arm with its hand inside one ``Bullet``."""
+
+    def __init__(self, bullet: Bullet, body: int, model: RobotModel) -> None:
+        super().__init__(bullet, body, model)
+        self._arm = [self._joints[name] for name in model.description.arm_joints]
+        self._efforts = list(model.description.joint_effort_nm)
+        self._gains = [POSITION_GAIN] * len(self._arm)
+
+    def q(self) -> Array:
+        """(dof,) rad."""
+        return np.array([state[0] for state in self._states()])
+
+    def qd(self) -> Array:
+        """(dof,) rad/s."""
+        return np.array([state[1] for state in self._states()])
+
+    def command(self, q: Array, qd: Array) -> None:
+        """Follow a reference that is at ``q`` (dof,) rad now and moves at ``qd`` (dof,) rad/s."""
+        self._bullet.drive_all(self.body, self._arm, q.tolist(), qd.tolist(), self._efforts, self._gains)
+
+    def reset(self, q: Array, gripper_rad: float) -> None:
+        """Be at rest at ``q`` (dof,) rad with the fingers at ``gripper_rad``, and stay there."""
+        for joint, rad in zip(self._arm, q, strict=True):
+            self._bullet.reset_joint(self.body, joint, float(rad))
+        self.reset_fingers(gripper_rad)
+        self.command(q, np.zeros_like(q))
+
+    def tcp(self) -> Pose:
+        """T_world_tcp."""
+        description = self.model.description
+        return self.link_pose(description.flange_link) @ description.T_flange_tcp
+
+    def self_contacts(self, within_m: float = 0.0) -> set[frozenset[str]]:
+        """Pairs of links nearer than ``within_m`` that should not be; slow: for checking poses, not for control.
+
+        Not counted: links that one arm joint at most lies between, and the allowed pairs of the description.
+        """
+        found: set[frozenset[str]] = set()
+        for a, b in self._checked_pairs():
+            distance_m = self._bullet.link_distance_m(self.body, a, b, within_m)
+            if distance_m is not None and distance_m < within_m:
+                found.add(frozenset((a, b)))
+        return found
+
+    def _checked_pairs(self) -> list[tuple[str, str]]:
+        robot = self.model.description
+        hand = len(self._arm)
+        carriers = {
+            link: hand if link in robot.gripper.hand_links else self._arm_joints_above(link)
+            for link in self.model.spheres
+        }
+        return [
+            (a, b)
+            for a, b in combinations(self.model.spheres, 2)
+            if abs(carriers[a] - carriers[b]) > 1 and frozenset((a, b)) not in robot.allowed_self_contacts
+        ]
+
+    def _arm_joints_above(self, link: str) -> int:
+        index = self._bullet.link_index(self.body, link)
+        return sum(joint <= index for joint in self._arm)
+
+    def _states(self) -> Sequence[Sequence[float]]:
+        return self._bullet.joint_states(self.body, self._arm)
