@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import cast
 
 import msgspec
@@ -33,9 +34,20 @@ def is_allowed(raw: bytes) -> bool:
     if not isinstance(message, dict):
         return False
     fields = cast("dict[object, object]", message)
-    if fields.get("type") not in ALLOWED:
+    if fields.get("type") not in ALLOWED or not _is_finite(fields):
         return False
     if fields["type"] == "GuiUpdateMessage":
         updates = fields.get("updates")
         return isinstance(updates, dict) and set(cast("dict[object, object]", updates)) == {"value"}
+    return True
+
+
+def _is_finite(value: object) -> bool:
+    """Whether no number anywhere in ``value`` is NaN or infinite."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, dict):
+        return all(map(_is_finite, cast("dict[object, object]", value).values()))
+    if isinstance(value, list):
+        return all(map(_is_finite, cast("list[object]", value)))
     return True

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import gzip
 import html
 from collections.abc import Coroutine
@@ -19,6 +20,7 @@ from websockets.typing import Subprotocol
 from app.inbound import is_allowed
 
 LARGEST_MESSAGE_BYTES = 50 * 1024 * 1024
+GOING_AWAY = 1001
 TRY_AGAIN_LATER = 1013
 
 
@@ -69,18 +71,20 @@ class Relay:
             self._clients -= 1
 
     async def _relay(self, browser: WebSocket, protocols: list[Subprotocol]) -> None:
+        viser_side = connect(
+            self._address,
+            subprotocols=protocols,
+            max_size=LARGEST_MESSAGE_BYTES,
+            compression=None,
+            proxy=None,
+        )
         try:
-            viser_side = connect(
-                self._address,
-                subprotocols=protocols,
-                max_size=LARGEST_MESSAGE_BYTES,
-                compression=None,
-                proxy=None,
-            )
             async with viser_side as upstream:
                 await browser.accept(subprotocol=upstream.subprotocol)
-                await _first_of(_outbound(upstream, browser), _inbound(browser, upstream))
-        except (WebSocketDisconnect, ConnectionClosed):
+                with contextlib.suppress(ConnectionClosed):
+                    await _first_of(_outbound(upstream, browser), _inbound(browser, upstream))
+                await browser.close(GOING_AWAY, "The viewer has ended this connection.")
+        except WebSocketDisconnect:
             return
         except (OSError, WebSocketException):
             await browser.close(TRY_AGAIN_LATER, "The viewer is not running.")
@@ -101,7 +105,7 @@ async def _inbound(browser: WebSocket, upstream: ClientConnection) -> None:
 
 async def _first_of(*directions: Coroutine[None, None, None]) -> None:
     """Run both directions until one ends, then end the other; raises what the first one raised."""
-    tasks = [asyncio.ensure_future(direction) for direction in directions]  # pyright: ignore[reportArgumentType]
+    tasks = [asyncio.ensure_future(direction) for direction in directions]
     try:
         done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in done:

@@ -9,6 +9,7 @@ import time
 
 import viser
 
+from app.reports import Started
 from app.session import Session, SessionState
 from app.ui import palette
 from app.ui.camera import CameraKeeper
@@ -17,8 +18,10 @@ from app.ui.layers import LAYERS, Layer, Picture
 from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, View
 from app.ui.panels.legend import add_legend
 from app.ui.progress import AutoNext, Tally
+from app.ui.robot_parts import load_robot_parts
 from backend.errors import GraspingError
 from backend.pipeline.values import CycleResult
+from backend.snapshot import Snapshot
 
 FRAME_S = 1 / 30
 PANELS_S = 1 / 5
@@ -37,11 +40,13 @@ class Dashboard:
         self._tally = Tally()
         self._layers: list[Layer] = [layer(self.server.scene) for layer in LAYERS]
         self._stopping = threading.Event()
-        self._drawn: SessionState | None = None
+        self._begun: Started | None = None
+        self._drawn: Snapshot | None = None
         self._drawn_cycle: CycleResult | None = None
         self._panels_due_s = 0.0
         self._refusals = 0
         self._furnish(low_fx)
+        self._draw_panels(session.state, 0.0)
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
     def start(self) -> None:
@@ -101,36 +106,38 @@ class Dashboard:
     def draw(self) -> None:
         """One frame."""
         state, now_s = self._session.state, time.monotonic()
-        looking = bool(self.server.get_clients())
+        if state.started is not None and state.started is not self._begun:
+            self._begin(state.started)
+        if not self.server.get_clients():
+            return
         with self.server.atomic():
-            self._begin(state)
-            if not looking:
-                return
             self._draw_layers(state)
             if now_s >= self._panels_due_s:
                 self._panels_due_s = now_s + PANELS_S
                 self._draw_panels(state, now_s)
 
-    def _begin(self, state: SessionState) -> None:
+    def _begin(self, started: Started) -> None:
         """A new trial is built even while nobody looks, so that whoever comes sees it at once."""
-        if state.started is None or (self._drawn is not None and state.started is self._drawn.started):
-            return
-        for layer in self._layers:
-            layer.begin(state.started.scene)
-        self._camera.begin(state.started.scene)
-        self._drawn, self._drawn_cycle = None, None
+        load_robot_parts(
+            started.scene.robot
+        )  # slow the first time, and nothing is sent inside an atomic block
+        with self.server.atomic():
+            for layer in self._layers:
+                layer.begin(started.scene)
+            self._camera.begin(started.scene)
+        self._begun, self._drawn, self._drawn_cycle = started, None, None
 
     def _draw_layers(self, state: SessionState) -> None:
         snapshot = state.snapshot
         if state.started is None or snapshot is None:
             return
-        if self._drawn is not None and snapshot is self._drawn.snapshot:
+        if snapshot is self._drawn:
             return
         new_cycle = snapshot.cycle is not None and snapshot.cycle is not self._drawn_cycle
         picture = Picture(state.started.scene, snapshot, state.traces, new_cycle)
         for layer in self._layers:
             layer.draw(picture)
-        self._drawn, self._drawn_cycle = state, snapshot.cycle
+        self._drawn, self._drawn_cycle = snapshot, snapshot.cycle
 
     def _draw_panels(self, state: SessionState, now_s: float) -> None:
         self._tally = self._tally.after(state)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from typing import cast
 
@@ -27,7 +27,7 @@ POSITION = "name => window.__viserMutable?.nodeRefFromName?.[name]?.position?.to
 
 
 @contextmanager
-def open_page(address: str, width: int = 1280, height: int = 720) -> Iterator[Page]:
+def open_page(address: str, width: int = 1280, height: int = 720) -> Generator[Page]:
     """A page on ``address``, closed with its browser at the end."""
     executable = next((path for path in map(shutil.which, NAMES) if path), None)
     assert executable, f"None of {', '.join(NAMES)} is on the PATH: `make test` installs one."

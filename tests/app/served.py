@@ -1,0 +1,83 @@
+"""The dashboard over the fake engine, in a process of its own: ``python -m tests.app.served --port 0``."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Generator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import httpx
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@dataclass(frozen=True)
+class Served:
+    """A running server."""
+
+    address: str
+    process: subprocess.Popen[str]
+
+    @property
+    def authority(self) -> str:
+        """Host and port."""
+        return self.address.split("/")[2]
+
+    def state(self) -> dict[str, object]:
+        """Answer of /api/v1/session."""
+        return httpx.get(self.address + "api/v1/session", timeout=5.0).json()
+
+    def command(self, **fields: object) -> httpx.Response:
+        """Post a command."""
+        return httpx.post(self.address + "api/v1/session/commands", json=fields, timeout=5.0)
+
+    def simulation_pid(self) -> int:
+        """Process id of the spawned simulation."""
+        children = Path(f"/proc/{self.process.pid}/task/{self.process.pid}/children").read_text().split()
+        spawned = [pid for pid in children if b"spawn_main" in Path(f"/proc/{pid}/cmdline").read_bytes()]
+        assert len(spawned) == 1, spawned
+        return int(spawned[0])
+
+
+@contextmanager
+def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> Generator[Served]:
+    """Start a server on a free port, wait for its address, end it with Ctrl-C."""
+    command = [sys.executable, *module, "--port", "0", *flags]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+    try:
+        assert process.stdout is not None
+        line = process.stdout.readline()
+        address = re.search(r"http://[^/]+/", line)
+        assert address, f"no address but {line!r}"
+        yield Served(address[0], process)
+    finally:
+        process.send_signal(signal.SIGINT)
+        try:
+            process.communicate(timeout=15.0)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise
+
+
+def main() -> None:
+    """Serve until interrupted."""
+    from app.serve import serve as serve_dashboard
+    from app.settings import read_settings
+    from run_server import listen
+    from tests.app.fake_episode import FakeEngine
+
+    settings = read_settings(sys.argv[1:], os.environ)
+    try:
+        serve_dashboard(settings, listen(settings), FakeEngine())
+    except KeyboardInterrupt:
+        print("Stopped.")
+
+
+if __name__ == "__main__":
+    main()
