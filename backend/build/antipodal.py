@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from backend.objects.description import ObjectDescription
 from backend.pose import Array
@@ -45,7 +46,8 @@ class AntipodalSampler:
     def __init__(self, robot: RobotDescription, target: ObjectDescription, rng: np.random.Generator) -> None:
         self._rng = rng
         self._hand = robot.gripper
-        points, faces = trimesh.sample.sample_surface(target.visual, POINTS, seed=int(rng.integers(2**31)))
+        sampled = trimesh.sample.sample_surface(target.visual, POINTS, seed=int(rng.integers(2**31)))
+        points, faces = np.asarray(sampled[0]), np.asarray(sampled[1])
         self._points = np.asarray(points, dtype=np.float64)
         self._pairs = self._facing(np.asarray(target.visual.face_normals, dtype=np.float64)[faces])
         self._weights = self._near_mass(target.center_of_mass_m, target.height_m)
@@ -68,7 +70,7 @@ class AntipodalSampler:
                 return _grasp((self._points[i] + self._points[j]) / 2 - depth_m * approach, closing, approach)
         return None
 
-    def _facing(self, normals: Array) -> Array:
+    def _facing(self, normals: Array) -> NDArray[np.int64]:
         """(n, 2) indices of points whose normals point apart along the line that joins them."""
         between = self._points[None] - self._points[:, None]
         width = np.linalg.norm(between, axis=2)
@@ -81,7 +83,7 @@ class AntipodalSampler:
         return np.stack([i, j], axis=1)[i < j]
 
     def _near_mass(self, center_of_mass: Array, height_m: float) -> Array:
-        """(n,) chances of the pairs: weight far from the grip turns in it, so those near the mass come oftener."""
+        """(n,) chances of the pairs: weight far from the grip turns in it, so pairs near it come oftener."""
         middle = self._points[self._pairs].mean(axis=1)
         distance = np.linalg.norm(middle - center_of_mass, axis=1)
         weights = np.exp(-distance / max(0.04, 0.3 * height_m))

@@ -48,7 +48,7 @@ class Bench:
             return [self._way_is_clear(bullet, hand, tray, target, Pose(T)) for T in Ts_object_grasp]
 
     def lift(self, T_object_grasp: Pose, rng: np.random.Generator | None) -> bool:
-        """Whether the hand brings the object up; with ``rng`` the object is not quite where the hand believes."""
+        """Whether the hand brings the object up; with ``rng`` the object is not just where believed."""
         s = self.settings
         with self._world() as bullet:
             T_believed = Pose.of((0.0, 0.0, self._tray_m[2]))

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
 
 from backend.errors import InvalidInputError
 from backend.pose import Array
@@ -54,7 +55,7 @@ def _collect(
 
 
 def _node_transform(node: ET.Element) -> Array:
-    T = np.eye(4)
+    product = np.eye(4)
     for element in node:
         values = np.array((element.text or "").split(), dtype=np.float64) if element.text else np.zeros(0)
         step = np.eye(4)
@@ -66,8 +67,8 @@ def _node_transform(node: ET.Element) -> Array:
             step[:3, :3] = np.diag(values)
         elif element.tag == f"{N}rotate":
             step = np.asarray(trimesh.transformations.rotation_matrix(np.radians(values[3]), values[:3]))
-        T = T @ step
-    return T
+        product = product @ step
+    return product
 
 
 def _geometry_meshes(geometry: ET.Element) -> list[tuple[trimesh.Trimesh, str]]:
@@ -93,7 +94,7 @@ def _geometry_meshes(geometry: ET.Element) -> list[tuple[trimesh.Trimesh, str]]:
     return meshes
 
 
-def _faces(primitive: ET.Element) -> tuple[str, Array]:
+def _faces(primitive: ET.Element) -> tuple[str, NDArray[np.int64]]:
     """Id of the vertices element, and (n, 3) indices; polygons become fans."""
     inputs = primitive.findall(f"{N}input")
     stride = 1 + max(int(i.get("offset", "0")) for i in inputs)

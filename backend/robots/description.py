@@ -84,8 +84,8 @@ class RobotDescription:
     joint_effort_nm: tuple[float, ...]
     profiles: dict[ProfileName, SpeedProfile]
     allowed_self_contacts: frozenset[frozenset[str]]
-    """Pairs of links that may touch or overlap in any pose (beyond neighbours in the chain): those one link apart
-    whose spheres overlap in most random poses while their hulls hardly ever do (below 5 % of the poses)."""
+    """Pairs of links that may touch or overlap in any pose (beyond neighbours in the chain): one link apart,
+    their spheres overlap in most random poses, their hulls hardly ever (below 5 %)."""
 
     @property
     def dof(self) -> int:

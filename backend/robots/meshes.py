@@ -49,10 +49,11 @@ def _read(geometry: ET.Element) -> list[tuple[trimesh.Trimesh, Rgba | None]]:
         return []
     path = Path(mesh.get("filename", ""))
     scale = np.diag([*numbers(mesh.get("scale", "1 1 1")), 1.0])
+    parts: list[tuple[trimesh.Trimesh, Rgba | None]] = []
     if path.suffix.lower() == ".dae":
-        parts = read_collada(path)
+        parts += read_collada(path)
     else:
-        parts = [(cast(trimesh.Trimesh, trimesh.load(path, force="mesh")), None)]
+        parts.append((cast(trimesh.Trimesh, trimesh.load(path, force="mesh")), None))
     for part, _ in parts:
         part.apply_transform(scale)
     return parts

@@ -31,12 +31,12 @@ class ConvexPiece:
 def surface_points(mesh: trimesh.Trimesh, spacing_m: float, seed: int) -> Array:
     """(n, 3) the mesh's vertices, and random points on it about ``spacing_m`` apart."""
     count = int(np.clip(mesh.area / spacing_m**2, 200, 20_000))
-    points, _ = trimesh.sample.sample_surface(mesh, count, seed=seed)
+    points = trimesh.sample.sample_surface(mesh, count, seed=seed)[0]
     return np.concatenate([np.asarray(mesh.vertices, dtype=np.float64), np.asarray(points, dtype=np.float64)])
 
 
 def convex_pieces(points: Array, most: int, least_gain: float) -> list[ConvexPiece]:
-    """Hulls that together hold all points (n, 3): ``most`` at most, each cut saving ``least_gain`` of volume."""
+    """Hulls that together hold all points (n, 3): at most ``most``; a cut saves ``least_gain`` of volume."""
     parts = [points]
     volume = ConvexHull(points).volume
     while len(parts) < most:

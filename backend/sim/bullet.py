@@ -177,7 +177,7 @@ class Bullet:
         """Drive a free, heavy, symmetric body through the coming step: from a position, at a velocity.
 
         Bullet's kinematic bodies stand still for friction, and a tie lags behind and jerks at the start; a
-        body put on its way before every step, against the gravity of that step, carries its load without slip.
+        body put on its way before every step, against gravity, carries its load without slip.
         """
         w, x, y, z = wxyz.tolist()
         vx, vy, vz = velocity_mps.tolist()

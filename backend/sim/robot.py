@@ -52,7 +52,7 @@ class Robot(Hand):
         return self.link_pose(description.flange_link) @ description.T_flange_tcp
 
     def self_contacts(self, within_m: float = 0.0) -> set[frozenset[str]]:
-        """Pairs of links nearer than ``within_m`` that should not be; slow: for checking poses, not for control.
+        """Pairs of links nearer than ``within_m`` that should not be; slow: to check poses, not for control.
 
         Not counted: links that one arm joint at most lies between, and the allowed pairs of the description.
         """
