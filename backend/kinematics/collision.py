@@ -15,8 +15,8 @@ from backend.kinematics.spheres import HAND, LEVEL
 from backend.pose import Array
 
 Integers = NDArray[np.int64]
-RobotArrays = tuple[Array, Array, Array, Integers, Integers]
-"""links (dof + 1, 12), spheres (n, 4), groups (g, 4), index (g, 4), pairs (p, 2): see ``SphereModel``."""
+RobotArrays = tuple[Array, Array, Integers, Integers, Integers]
+"""links (dof + 1, 12), nodes (m, 4), skips (m,), trees (g, 4), pairs (p, 2): see ``SphereModel``."""
 BodyArrays = tuple[Array, Array, Integers, Array, Integers, Array]
 """poses (m, 12); shapes (m, 8): bounding sphere, half extents, margin; kinds (m, 4): role, is a box, first
 and one past the last part; parts (k, 4): bounding spheres; part_planes (k, 2): first and one past the last
@@ -98,15 +98,6 @@ def distance_to_body(body: int, bodies: BodyArrays, x: float, y: float, z: float
 
 
 @kernel
-def place(frames: Array, index: Integers, group: int, local: Array, out: Array) -> None:
-    """Move the spheres of one group into the world."""
-    row = frames[index[group, 0]]
-    for s in range(index[group, 1], index[group, 2]):
-        out[s, 0], out[s, 1], out[s, 2] = point_in(row, local[s, 0], local[s, 1], local[s, 2])
-        out[s, 3] = local[s, 3]
-
-
-@kernel
 def ignored(role: int, flags: int, options: int) -> bool:
     """Whether a group with ``flags`` need not avoid a body of this role."""
     if role != TARGET:
@@ -115,46 +106,77 @@ def ignored(role: int, flags: int, options: int) -> bool:
 
 
 @kernel
-def spheres_apart(a: Array, b: Array) -> float:
-    """Distance between two spheres' surfaces."""
-    dx, dy, dz = a[0] - b[0], a[1] - b[1], a[2] - b[2]
-    return np.sqrt(dx * dx + dy * dy + dz * dz) - a[3] - b[3]
+def past(skips: Integers, node: int) -> int:
+    """The node to go on with when a node's subtree is ruled out."""
+    return max(skips[node], node + 1)
 
 
 @kernel
-def touched_body(
-    group: int, around: Array, world: Array, index: Integers, bodies: BodyArrays, options: int
-) -> int:
-    """The first body that the group's spheres (already in the world) come too near to; -1 when none."""
-    for body in range(bodies[0].shape[0]):
-        margin = bodies[1][body, 7]
-        if ignored(bodies[2][body, 0], index[group, 3], options):
-            continue
-        reach = around[group, 3] + margin
-        x, y, z = around[group, 0], around[group, 1], around[group, 2]
-        if distance_to_body(body, bodies, x, y, z, reach) >= reach:
-            continue
-        for s in range(index[group, 1], index[group, 2]):
-            reach = world[s, 3] + margin
-            if distance_to_body(body, bodies, world[s, 0], world[s, 1], world[s, 2], reach) < reach:
-                return body
-    return -1
+def touches_body(
+    robot: RobotArrays, row: Array, group: int, body: int, bodies: BodyArrays, margin: float
+) -> bool:
+    """Whether a sphere of the group, carried by the frame ``row``, is nearer to a body than ``margin``."""
+    _, nodes, skips, trees, _ = robot
+    node = int(trees[group, 1])
+    while node < trees[group, 2]:
+        x, y, z = point_in(row, nodes[node, 0], nodes[node, 1], nodes[node, 2])
+        reach = nodes[node, 3] + margin
+        if distance_to_body(body, bodies, x, y, z, reach) < reach:
+            if skips[node] < 0:
+                return True
+            node += 1
+        else:
+            node = past(skips, node)
+    return False
 
 
 @kernel
-def touched_self(index: Integers, pairs: Integers, around: Array, world: Array, margin: float) -> int:
-    """The first pair of groups closer than ``margin``; -1 when none."""
-    for p in range(pairs.shape[0]):
-        a, b = pairs[p, 0], pairs[p, 1]
-        if spheres_apart(around[a], around[b]) >= margin:
-            continue
-        for s in range(index[a, 1], index[a, 2]):
-            if spheres_apart(world[s], around[b]) >= margin:
-                continue
-            for t in range(index[b, 1], index[b, 2]):
-                if spheres_apart(world[s], world[t]) < margin:
-                    return p
-    return -1
+def touches_floor(robot: RobotArrays, row: Array, group: int, margin: float) -> bool:
+    """Whether a sphere of the group, carried by the frame ``row``, is nearer to the floor than ``margin``."""
+    _, nodes, skips, trees, _ = robot
+    node = int(trees[group, 1])
+    while node < trees[group, 2]:
+        height = row[6] * nodes[node, 0] + row[7] * nodes[node, 1] + row[8] * nodes[node, 2] + row[11]
+        if height < nodes[node, 3] + margin:
+            if skips[node] < 0:
+                return True
+            node += 1
+        else:
+            node = past(skips, node)
+    return False
+
+
+@kernel
+def groups_apart(robot: RobotArrays, frames: Array, a: int, b: int, enough: float) -> float:
+    """Distance between the spheres of two groups where it is less than ``enough``, else ``enough``."""
+    _, nodes, skips, trees, _ = robot
+    row_a, row_b = frames[trees[a, 0]], frames[trees[b, 0]]
+    between = np.empty(12)
+    for i in range(3):
+        for j in range(3):
+            between[3 * i + j] = (
+                row_b[i] * row_a[j] + row_b[3 + i] * row_a[3 + j] + row_b[6 + i] * row_a[6 + j]
+            )
+    between[9], between[10], between[11] = point_seen_from(row_b, row_a[9], row_a[10], row_a[11])
+    root = int(trees[b, 1])
+    m = int(trees[a, 1])
+    while m < trees[a, 2]:
+        x, y, z = point_in(between, nodes[m, 0], nodes[m, 1], nodes[m, 2])
+        n = root
+        stop = int(trees[b, 2]) if skips[m] < 0 else root + 1
+        near = False
+        while n < stop:
+            dx, dy, dz = x - nodes[n, 0], y - nodes[n, 1], z - nodes[n, 2]
+            apart = np.sqrt(dx * dx + dy * dy + dz * dz) - nodes[n, 3] - nodes[m, 3]
+            if apart < enough:
+                near = True
+                if skips[n] < 0 and skips[m] < 0:
+                    enough = apart
+                n += 1
+            else:
+                n = past(skips, n)
+        m = m + 1 if near else past(skips, m)
+    return enough
 
 
 @kernel
@@ -162,26 +184,24 @@ def contact(
     robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, q: Array
 ) -> tuple[int, int, int]:
     """What touches first: (FREE, -1, -1), (FLOOR, group, -1), (BODY, group, body) or (SELF, pair, -1)."""
-    links, spheres, groups, index, pairs = robot
+    links, _, _, trees, pairs = robot
     frames = np.empty((links.shape[0] + 1, 12))
-    around, world = np.empty(groups.shape), np.empty(spheres.shape)
     move_bodies(links, q, frames)
-    for g in range(groups.shape[0]):
-        row = frames[index[g, 0]]
-        around[g, 0], around[g, 1], around[g, 2] = point_in(row, groups[g, 0], groups[g, 1], groups[g, 2])
-        around[g, 3] = groups[g, 3]
-        place(frames, index, g, spheres, world)
-        if index[g, 0] == 0:
+    for g in range(trees.shape[0]):
+        row = frames[trees[g, 0]]
+        if trees[g, 0] == 0:
             continue
-        if index[g, 3] & LEVEL == 0 and around[g, 2] < around[g, 3] + margins[0]:
-            for s in range(index[g, 1], index[g, 2]):
-                if world[s, 2] < world[s, 3] + margins[0]:
-                    return FLOOR, g, -1
-        body = touched_body(g, around, world, index, bodies, options)
-        if body >= 0:
-            return BODY, g, body
-    pair = touched_self(index, pairs, around, world, margins[1])
-    return (SELF, pair, -1) if pair >= 0 else (FREE, -1, -1)
+        if trees[g, 3] & LEVEL == 0 and touches_floor(robot, row, g, margins[0]):
+            return FLOOR, g, -1
+        for body in range(bodies[0].shape[0]):
+            if ignored(bodies[2][body, 0], trees[g, 3], options):
+                continue
+            if touches_body(robot, row, g, body, bodies, bodies[1][body, 7]):
+                return BODY, g, body
+    for p in range(pairs.shape[0]):
+        if groups_apart(robot, frames, pairs[p, 0], pairs[p, 1], margins[1]) < margins[1]:
+            return SELF, p, -1
+    return FREE, -1, -1
 
 
 @kernel
@@ -238,23 +258,30 @@ def edge_checks(
 @kernel
 def smallest_distance(robot: RobotArrays, bodies: BodyArrays, options: int, cap: float, q: Array) -> float:
     """At most the distance between the robot and everything else including itself, cut at ``cap``."""
-    links, spheres, groups, index, pairs = robot
-    frames, world = np.empty((links.shape[0] + 1, 12)), np.empty(spheres.shape)
+    links, nodes, skips, trees, pairs = robot
+    frames = np.empty((links.shape[0] + 1, 12))
     move_bodies(links, q, frames)
     best = cap
-    for g in range(groups.shape[0]):
-        place(frames, index, g, spheres, world)
-        if index[g, 0] == 0:
+    for g in range(trees.shape[0]):
+        row = frames[trees[g, 0]]
+        if trees[g, 0] == 0:
             continue
-        for s in range(index[g, 1], index[g, 2]):
-            x, y, z, r = world[s, 0], world[s, 1], world[s, 2], world[s, 3]
-            if index[g, 3] & LEVEL == 0:
-                best = min(best, z - r)
-            for body in range(bodies[0].shape[0]):
-                if not ignored(bodies[2][body, 0], index[g, 3], options):
-                    best = min(best, distance_to_body(body, bodies, x, y, z, best + r) - r)
+        for body in range(-1, bodies[0].shape[0]):
+            if body < 0 and trees[g, 3] & LEVEL != 0:
+                continue
+            if body >= 0 and ignored(bodies[2][body, 0], trees[g, 3], options):
+                continue
+            node = int(trees[g, 1])
+            while node < trees[g, 2]:
+                x, y, z = point_in(row, nodes[node, 0], nodes[node, 1], nodes[node, 2])
+                reach = best + nodes[node, 3]
+                distance: float = z if body < 0 else distance_to_body(body, bodies, x, y, z, reach)
+                if distance < reach:
+                    if skips[node] < 0:
+                        best = distance - nodes[node, 3]
+                    node += 1
+                else:
+                    node = past(skips, node)
     for p in range(pairs.shape[0]):
-        for s in range(index[pairs[p, 0], 1], index[pairs[p, 0], 2]):
-            for t in range(index[pairs[p, 1], 1], index[pairs[p, 1], 2]):
-                best = min(best, spheres_apart(world[s], world[t]))
+        best = groups_apart(robot, frames, pairs[p, 0], pairs[p, 1], best)
     return best

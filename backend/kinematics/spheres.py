@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.kinematics.chain import Chain, body_rows, matrix_of
+from backend.kinematics.sphere_tree import sphere_tree
 from backend.kinematics.urdf import LinkTree
 from backend.pose import Array, inverse
 
@@ -31,10 +32,14 @@ class SphereModel:
     """(g,) link of every group."""
     spheres: Array
     """(n, 4) x, y, z, radius in the body's frame, group after group."""
-    groups: Array
-    """(g, 4) one sphere around each group, in the body's frame."""
+    nodes: Array
+    """(m, 4) one tree per group, see ``sphere_tree``; in the body's frame."""
+    skips: Integers
+    """(m,) the node after each node's subtree; -1 at leaves."""
+    trees: Integers
+    """(g, 4) body, first node, one past the last node, flags."""
     index: Integers
-    """(g, 4) body, first sphere, one past the last sphere, flags."""
+    """(g, 3) body, first sphere, one past the last sphere."""
     pairs: Integers
     """(p, 2) groups that must not touch each other."""
     description: RobotDescription
@@ -58,12 +63,18 @@ class SphereModel:
         stops = np.cumsum([len(spheres) for spheres in moved])
         flags = [_flags(description, chain, name) for name in names]
         bodies = [chain.body_of_link[name] for name in names]
-        index = np.column_stack([bodies, stops - [len(s) for s in moved], stops, flags]).astype(np.int64)
+        starts = stops - [len(spheres) for spheres in moved]
+        nodes, skips = zip(*(sphere_tree(spheres) for spheres in moved), strict=True)
+        ends = np.cumsum([len(tree) for tree in nodes])
+        begins = ends - [len(tree) for tree in nodes]
+        shifted = [np.where(skip < 0, -1, skip + begin) for skip, begin in zip(skips, begins, strict=True)]
         return SphereModel(
             names=names,
             spheres=np.ascontiguousarray(np.concatenate(moved)),
-            groups=np.array([_around(spheres) for spheres in moved]),
-            index=index,
+            index=np.column_stack([bodies, starts, stops]).astype(np.int64),
+            nodes=np.concatenate(nodes),
+            skips=np.concatenate(shifted),
+            trees=np.column_stack([bodies, begins, ends, flags]).astype(np.int64),
             pairs=_self_pairs(description, names, bodies),
             description=description,
             tree=tree,
@@ -78,7 +89,7 @@ class SphereModel:
     def world(self, frames: Array) -> Array:
         """(n, 4) spheres in the world, given the body frames (dof + 2, 12)."""
         out = self.spheres.copy()
-        for body, start, stop, _ in self.index:
+        for body, start, stop in self.index:
             out[start:stop] = _moved(matrix_of(frames[body]), self.spheres[start:stop])
         return out
 
@@ -97,16 +108,6 @@ def _links_in_bodies(tree: LinkTree, chain: Chain, joints_rad: dict[str, float])
 
 def _moved(T: Array, spheres: Array) -> Array:
     return np.column_stack([spheres[:, :3] @ T[:3, :3].T + T[:3, 3], spheres[:, 3]])
-
-
-def _around(spheres: Array) -> Array:
-    """(4,) a sphere around spheres: from the middle of their box, moved toward the farthest."""
-    center = 0.5 * ((spheres[:, :3] - spheres[:, 3:]).min(0) + (spheres[:, :3] + spheres[:, 3:]).max(0))
-    for step in range(1, 100):
-        reach = np.linalg.norm(spheres[:, :3] - center, axis=1) + spheres[:, 3]
-        center = center + (spheres[int(np.argmax(reach)), :3] - center) / (step + 10)
-    reach = np.linalg.norm(spheres[:, :3] - center, axis=1) + spheres[:, 3]
-    return np.array([*center, reach.max()])
 
 
 def _flags(description: RobotDescription, chain: Chain, name: str) -> int:

@@ -55,9 +55,9 @@ class PlanningScene:
         model = kinematics.spheres
         self._robot: kernels.RobotArrays = (
             kinematics.chain.links,
-            model.spheres,
-            model.groups,
-            model.index,
+            model.nodes,
+            model.skips,
+            model.trees,
             model.pairs,
         )
 
