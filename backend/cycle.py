@@ -97,9 +97,7 @@ class Cycle:
         if not short.kept:
             return replace(result, refused_by="filter", why="no grasp of the database can be reached")
         ik_calls = 2 * len(short.kept)
-        result = replace(
-            result, ik_calls=ik_calls, effective_s=start.now_s + self._think.refused_s(ik_calls)
-        )
+        result = replace(result, ik_calls=ik_calls, effective_s=start.now_s + self._think.refused_s(ik_calls))
         with watch("pick"):
             picked, refused = pick_nearest(short, context)
         result = replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
@@ -124,7 +122,9 @@ class Cycle:
                 result = replace(result, refused_by="plan", why=plan.why)
                 continue
             with watch("retime"):
-                trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer)
+                trajectory = retime(
+                    plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many
+                )
             if isinstance(trajectory, Refusal):
                 result = replace(result, plan=plan, refused_by="retime", why=trajectory.why)
                 continue

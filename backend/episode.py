@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Self
 
 import numpy as np
@@ -83,22 +84,32 @@ class Episode:
 
     def run(self) -> Iterator[Snapshot]:
         """Yield a snapshot of the start and after every tick; the last one has an outcome."""
-        yield self._snapshot(None)
-        outcome: Outcome | None = None
-        while outcome is None:
+        snapshot = self._snapshot(None)
+        yield snapshot
+        while snapshot.outcome is None:
             try:
-                for timed in self.scenario.events:
-                    if timed.tick == self._tick:
-                        self._act(timed.event)
-                        self.recorder.event(timed)
-                outcome = self._advance()
-                self.recorder.tick(self.world.t_s, self.world.q(), self.world.object_pose())
+                snapshot = self._tick_once()
             except SimulationError as error:
                 outcome = Outcome(strict=False, authors=False, reason="error", detail=str(error))
-            self._tick += 1
-            if outcome is not None:
-                self.recorder.end(outcome, self.world.t_s, self._pilot.approach_start_s)
-            yield self._snapshot(outcome)
+                self._end(outcome)
+                snapshot = replace(snapshot, outcome=outcome)
+            yield snapshot
+
+    def _tick_once(self) -> Snapshot:
+        for timed in self.scenario.events:
+            if timed.tick == self._tick:
+                self._act(timed.event)
+                self.recorder.event(timed)
+        outcome = self._advance()
+        self._tick += 1
+        snapshot = self._snapshot(outcome)
+        self.recorder.tick(snapshot.t_s, snapshot.q, snapshot.T_world_object)
+        if outcome is not None:
+            self._end(outcome)
+        return snapshot
+
+    def _end(self, outcome: Outcome) -> None:
+        self.recorder.end(outcome, self.world.t_s, self._pilot.approach_start_s)
 
     def _advance(self) -> Outcome | None:
         """One tick of physics steps, cut short by the end of the trial."""
@@ -142,7 +153,9 @@ class Episode:
             return judge.verdict(world, "object_fell", "The object fell off the belt before it was grasped.")
         if phase != "approach" and world.conveyor.at_end:
             refusal = self._pilot.approach_refusal or _last_words(self._pilot)
-            return judge.verdict(world, self._pilot.furthest_failure(), f"The belt came to its end; {refusal}.")
+            return judge.verdict(
+                world, self._pilot.furthest_failure(), f"The belt came to its end; {refusal}."
+            )
         return None
 
     def _act(self, event: WorldEvent) -> None:

@@ -62,6 +62,7 @@ class Pilot:
 
     def consider(self, t_s: float) -> CycleResult | None:
         """Act on what is new, if anything is and no thinking is under way; the cycle if there was one."""
+        self.executor.take_over(t_s)
         if not self._fresh or t_s < self._busy_until_s - 1e-9:
             return None
         execution = self._cycle.method.execution

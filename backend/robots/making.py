@@ -23,6 +23,9 @@ LEAST_GAIN = 0.08
 """A cut must save this part of a link's hull."""
 FRAME_MASS_KG = 1e-3
 """For links without inertial data, which PyBullet would otherwise make 1 kg."""
+ARM_EXCESS_M = 0.02
+HAND_EXCESS_M = 0.01
+"""How far the planner's spheres may stick out of a link's collision shape."""
 LEAST_INERTIA_KGM2 = 1e-4
 """What a geared finger drive reflects onto its links; lighter ones make the gripper's gear constraints ring."""
 
@@ -44,6 +47,7 @@ def make_model(description: RobotDescription, source: RobotSource, root: Path, f
         repair_inertial(seen)
         repair_inertial(solid)
         _replace_geometry(seen, "visual", [])
+        _replace_geometry(seen, "collision", [])
         _replace_geometry(solid, "visual", [])
         if not parts:
             continue
@@ -52,7 +56,8 @@ def make_model(description: RobotDescription, source: RobotSource, root: Path, f
         pieces = convex_pieces(
             rng.choice(points, min(len(points), 3000), replace=False), MOST_PIECES, LEAST_GAIN
         )
-        spheres[name] = cover(points, _sphere_count(source, name), rng)
+        excess_m = HAND_EXCESS_M if name in description.gripper.hand_links else ARM_EXCESS_M
+        spheres[name] = cover(points, pieces, excess_m, rng)
         _write_visual(seen, name, parts, folder)
         _write_collision(solid, name, pieces, folder)
     ET.ElementTree(visual).write(folder / "visual.urdf")
@@ -95,11 +100,11 @@ def hand_alone(robot: ET.Element, description: RobotDescription) -> tuple[ET.Ele
 
 def _fixed_chain(joints: dict[str, ET.Element], link: str) -> Pose:
     """Pose of a link in the frame of the nearest link above it (or itself) that a movable joint carries."""
-    T = Pose.identity()
+    pose = Pose.identity()
     while link in joints and joints[link].get("type") == "fixed":
-        T = origin(joints[link]) @ T
+        pose = origin(joints[link]) @ pose
         link = _end(joints[link], "parent")
-    return T
+    return pose
 
 
 def _end(joint: ET.Element, which: str) -> str:
@@ -107,10 +112,6 @@ def _end(joint: ET.Element, which: str) -> str:
     if element is None:
         raise ValueError(f"joint {joint.get('name')} has no {which}")
     return str(element.get("link"))
-
-
-def _sphere_count(source: RobotSource, link: str) -> int:
-    return next((count for end, count in source.spheres.items() if link.endswith(end)), 2)
 
 
 def _write_visual(

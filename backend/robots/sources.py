@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import xml.etree.ElementTree as ET
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 from backend.errors import MissingResourceError
@@ -24,8 +24,6 @@ class RobotSource:
     """Frames without geometry of their own that nothing here uses, or with geometry that is not there."""
     default_rgba: tuple[float, float, float, float] | None = None
     """Colour of meshes that bring none; None takes the URDF's."""
-    spheres: dict[str, int] = field(default_factory=dict[str, int])
-    """How many spheres cover a link, by the end of the link's name; 2 where nothing is said."""
 
 
 MICO = RobotSource(
@@ -34,7 +32,6 @@ MICO = RobotSource(
 </robot>""",
     folders=("kinova_description/urdf", "kinova_description/meshes"),
     default_rgba=(0.18, 0.18, 0.18, 1.0),
-    spheres={"link_base": 3, "link_1": 3, "link_2": 6, "link_3": 4, "link_6": 4},
 )
 
 UR5_ROBOTIQ = RobotSource(
@@ -51,13 +48,6 @@ UR5_ROBOTIQ = RobotSource(
         "kortex_description/grippers/robotiq_2f_85",
     ),
     dropped_links=("ee_link", "base", "tool_frame"),
-    spheres={
-        "base_link": 3,
-        "upper_arm_link": 8,
-        "forearm_link": 7,
-        "inner_finger_pad": 1,
-        "wrist_3_link": 1,
-    },
 )
 
 SOURCES: dict[str, RobotSource] = {"mico": MICO, "ur5_robotiq": UR5_ROBOTIQ}

@@ -1,49 +1,70 @@
-"""Spheres that cover a link: the surface in clusters, each cluster in its smallest ball."""
+"""Spheres that cover a link: balls inside its convex pieces, grown by an excess, chosen greedily."""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.cluster.vq import kmeans2
 
 from backend.pose import Array
+from backend.robots.shapes import ConvexPiece
 
-SLACK_M = 5e-4
-"""Added to every radius, for the surface between the sampled points."""
-TRIES = 3
-CLUSTERED_POINTS = 800
-
-
-def cover(points: Array, count: int, rng: np.random.Generator) -> Array:
-    """(<= count, 4) spheres x, y, z, radius that hold all surface points (n, 3); of several tries the one with the
-    least total volume."""
-    few = points if len(points) <= CLUSTERED_POINTS else rng.choice(points, CLUSTERED_POINTS, replace=False)
-    tries = [_cluster(few, count, rng) for _ in range(TRIES if count > 1 else 1)]
-    best = min(tries, key=lambda spheres: float((spheres[:, 3] ** 3).sum()))
-    return _grown(best, points)
+CANDIDATES = 2000
+"""Places inside a link where a sphere may be put."""
+COVERED_POINTS = 2500
+SLACK_M = 3e-4
+"""Kept between a covered point and its sphere's surface, for the surface between the sampled points."""
 
 
-def _cluster(points: Array, count: int, rng: np.random.Generator) -> Array:
-    centers, labels = kmeans2(points, count, minit="++", rng=rng)
-    spheres = np.column_stack([centers, np.zeros(count)])
-    for _ in range(10):
-        spheres = np.array([smallest_ball(points[labels == k]) for k in np.unique(labels)])
-        gaps = np.linalg.norm(points[:, None] - spheres[None, :, :3], axis=2) - spheres[:, 3]
-        labels = np.argmin(gaps, axis=1)
-    return np.array([smallest_ball(points[labels == k]) for k in np.unique(labels)])
+def cover(points: Array, pieces: list[ConvexPiece], excess_m: float, rng: np.random.Generator) -> Array:
+    """(n, 4) spheres x, y, z, radius that hold all surface points (n, 3).
+
+    Every sphere is the largest ball at its centre inside one of the convex ``pieces``, grown by ``excess_m``: so
+    none sticks out of the link's collision shape by more. The sphere that holds most of what is still uncovered
+    comes next (greedy set cover), then each shrinks to what it must hold.
+    """
+    some = points if len(points) <= COVERED_POINTS else rng.choice(points, COVERED_POINTS, replace=False)
+    centers, depth = _places(pieces, rng)
+    extra = some[rng.permutation(len(some))[: CANDIDATES // 4]]
+    centers, depth = np.vstack([centers, extra]), np.append(depth, np.zeros(len(extra)))
+    distance = np.linalg.norm(some[:, None] - centers[None], axis=2)
+    holds = distance <= depth + excess_m - SLACK_M
+    chosen: list[int] = []
+    left = np.ones(len(some), dtype=np.bool_)
+    while left.any():
+        gains = holds[left].sum(axis=0)
+        best = int(np.argmax(gains))
+        if gains[best] == 0:
+            break
+        chosen.append(best)
+        left &= ~holds[:, best]
+    spheres = np.column_stack([centers[chosen], depth[chosen] + excess_m])
+    return _fitted(spheres, points)
 
 
-def _grown(spheres: Array, points: Array) -> Array:
-    """The spheres, each just large enough that together they hold all points (n, 3)."""
+def _places(pieces: list[ConvexPiece], rng: np.random.Generator) -> tuple[Array, Array]:
+    """(n, 3) random points inside the pieces, and (n,) how deep inside one of them each lies."""
+    sizes = np.array([np.prod(np.ptp(piece.vertices, axis=0)) for piece in pieces])
+    counts = np.ceil(CANDIDATES * sizes / sizes.sum()).astype(int)
+    centers: list[Array] = []
+    for piece, count in zip(pieces, counts, strict=True):
+        weights = rng.dirichlet(np.full(len(piece.vertices), 0.15), int(count))
+        inside = np.vstack([weights @ piece.vertices, _spine(piece, int(count) // 4)])
+        centers.append(inside)
+    places = np.vstack(centers)
+    depth = np.max([piece.depth_m(places) for piece in pieces], axis=0)
+    return places, np.maximum(depth, 0.0)
+
+
+def _spine(piece: ConvexPiece, count: int) -> Array:
+    """(count, 3) points along the piece's longest axis through its middle, where the deepest places are."""
+    middle = piece.vertices.mean(axis=0)
+    axis = np.linalg.svd(piece.vertices - middle, full_matrices=False)[2][0]
+    reach = (piece.vertices - middle) @ axis
+    return middle + np.linspace(reach.min(), reach.max(), max(count, 2))[:, None] * axis
+
+
+def _fitted(spheres: Array, points: Array) -> Array:
+    """The spheres just large enough that together they hold all points (n, 3); useless ones are left out."""
     distance = np.linalg.norm(points[:, None] - spheres[None, :, :3], axis=2)
     nearest = np.argmin(distance - spheres[:, 3], axis=1)
-    held = [distance[nearest == k, k].max(initial=0.0) + SLACK_M for k in range(len(spheres))]
-    return np.column_stack([spheres[:, :3], held])
-
-
-def smallest_ball(points: Array) -> Array:
-    """(4,) x, y, z, radius of nearly the smallest ball around points (n, 3) (Badoiu and Clarkson 2003)."""
-    center = points.mean(axis=0)
-    for i in range(1, 120):
-        furthest = points[np.argmax(((points - center) ** 2).sum(axis=1))]
-        center = center + (furthest - center) / (i + 1)
-    return np.append(center, np.linalg.norm(points - center, axis=1).max())
+    held = np.array([distance[nearest == k, k].max(initial=0.0) for k in range(len(spheres))])
+    return np.column_stack([spheres[:, :3], held + SLACK_M])[held > 0.0]

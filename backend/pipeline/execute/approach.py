@@ -61,7 +61,12 @@ def plan_approach(
 
 
 def _tcp_poses(
-    kinematics: Kinematics, arm: ArmState, t_s: Array, duration_s: float, Ts_object: Array, T_object_grasp: Pose
+    kinematics: Kinematics,
+    arm: ArmState,
+    t_s: Array,
+    duration_s: float,
+    Ts_object: Array,
+    T_object_grasp: Pose,
 ) -> Array:
     """(n, 4, 4) T_world_tcp at the knots ``t_s`` (n,)."""
     Ts_grasp = Ts_object @ T_object_grasp.matrix

@@ -59,9 +59,13 @@ class Executor:
 
     def targets(self, t_s: float) -> tuple[Array, Array]:
         """(q, qd) for the physics step that begins at ``t_s``."""
+        self.take_over(t_s)
+        return self._current.sample(t_s)
+
+    def take_over(self, t_s: float) -> None:
+        """Put the next trajectory in force if its time has come."""
         if self._next is not None and t_s >= self._next.start_s - 1e-9:
             self._current, self._next = self._next, None
-        return self._current.sample(t_s)
 
     def advance(self, t_s: float, gripper: GripperDrive, finger_rad: float) -> None:
         """Go on to the next phase when its time has come; ``finger_rad`` is where the master joint really is."""
