@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
-from itertools import zip_longest
 
 import numpy as np
 
@@ -17,20 +16,21 @@ from backend.pose import Array, Pose
 from backend.robots.models import load_model
 
 OnProgress = Callable[[str], None]
-CLEARED_AT_ONCE = 48
-FAIR_TURNS = 90
-"""After so many draws a band that yields too little gives its share to the others."""
+DRAWN_AT_ONCE = 48
+TAKEN_AT_ONCE = 6
 
 
 @dataclass(frozen=True)
 class GraspSettings:
     """How much work goes into one database."""
 
-    clean_lifts: int = 260
-    """Candidates that are lifted once without noise."""
-    rounds: tuple[tuple[int, int], ...] = ((180, 2), (140, 3), (110, 5))
+    clean_lifts: int = 400
+    """Candidates lifted once without noise, at most."""
+    clean_wanted: int = 120
+    """How many of them must hold before the race begins."""
+    rounds: tuple[tuple[int, int], ...] = ((115, 2), (100, 3))
     """(how many of the best go on, noisy lifts of each) of every further round."""
-    draws: int = 12_000
+    draws: int = 20_000
     """Candidates drawn at most, clear or not."""
     lift: LiftSettings = field(default_factory=LiftSettings)
 
@@ -38,14 +38,23 @@ class GraspSettings:
 @dataclass(eq=False)
 class _Racer:
     T_object_grasp: Array
-    index: int
     lifts: int = 0
     successes: int = 0
+    slip_m: float = 0.0
+    """Summed over the lifts that held."""
 
     @property
     def estimate(self) -> float:
         """Success rate, drawn towards one half while lifts are few."""
         return (self.successes + 1.0) / (self.lifts + 2.0)
+
+    @property
+    def mean_slip_m(self) -> float:
+        return self.slip_m / max(self.successes, 1)
+
+    @property
+    def band(self) -> str:
+        return next(band.name for band in BANDS if band.holds(self.T_object_grasp[:3, 2]))
 
 
 def build_grasps(
@@ -62,12 +71,16 @@ def build_grasps(
     bench = Bench(model, target, settings.lift)
     draw_rng, lift_rng = np.random.default_rng(seed).spawn(2)
     sampler = AntipodalSampler(model.description, target, draw_rng)
-    racers = [_Racer(T, i) for i, T in enumerate(_clear_candidates(sampler, bench, settings))]
-    on_progress(f"{len(racers)} grasps can be reached with the open hand")
-    for racer in racers:
+    racers: list[_Racer] = []
+    tried = 0
+    for T_object_grasp in _clear_candidates(sampler, bench, settings.draws):
+        racer = _Racer(T_object_grasp)
         _try(bench, racer, None)
-    racers = [racer for racer in racers if racer.successes]
-    on_progress(f"{len(racers)} lift without noise")
+        tried += 1
+        racers += [racer] * racer.successes
+        if len(racers) >= settings.clean_wanted or tried >= settings.clean_lifts:
+            break
+    on_progress(f"{len(racers)} of {tried} lift without noise")
     for keep, lifts in settings.rounds:
         racers = _best(racers, keep)
         for racer in racers:
@@ -78,34 +91,35 @@ def build_grasps(
     return _database(robot, object, _best(racers, count), seed, settings)
 
 
-def _clear_candidates(sampler: AntipodalSampler, bench: Bench, settings: GraspSettings) -> list[Array]:
-    """Candidates, bands alternating, until there are enough or too many have been drawn."""
-    found: list[list[Array]] = [[] for _ in BANDS]
-    for turn in range(settings.draws // CLEARED_AT_ONCE):
-        if sum(len(grasps) for grasps in found) >= settings.clean_lifts or not len(sampler):
-            break
-        band = turn % len(BANDS)
-        drawn = [sampler.draw(BANDS[band]) for _ in range(CLEARED_AT_ONCE)]
+def _clear_candidates(sampler: AntipodalSampler, bench: Bench, draws: int) -> Iterator[Array]:
+    """Grasps (4, 4) that the open hand can reach, a few of each band in turn, until ``draws`` have been drawn."""
+    for turn in range(draws // DRAWN_AT_ONCE if len(sampler) else 0):
+        band = BANDS[turn % len(BANDS)]
+        drawn = [sampler.draw(band) for _ in range(DRAWN_AT_ONCE)]
         Ts = np.array([T for T in drawn if T is not None]).reshape(-1, 4, 4)
         clear = [T for T, ok in zip(Ts, bench.is_clear(Ts), strict=True) if ok]
-        room = settings.clean_lifts // len(BANDS) - len(found[band])
-        found[band] += clear[: max(room, 0)] if turn < FAIR_TURNS else clear
-    in_turn = [T for row in zip_longest(*found) for T in row if T is not None]
-    return in_turn[: settings.clean_lifts]
+        yield from clear[:TAKEN_AT_ONCE]
 
 
 def _try(bench: Bench, racer: _Racer, rng: np.random.Generator | None) -> None:
-    racer.successes += bench.lift(Pose(racer.T_object_grasp), rng)
+    lifted = bench.lift(Pose(racer.T_object_grasp), rng)
     racer.lifts += 1
+    if lifted.held:
+        racer.successes += 1
+        racer.slip_m += lifted.slip_m
 
 
 def _best(racers: list[_Racer], count: int) -> list[_Racer]:
-    return sorted(racers, key=lambda racer: (-racer.estimate, racer.index))[:count]
+    """Those that held oftenest; among equals the bands take turns, each with its least slip first."""
+    place: dict[str, int] = {}
+    ordered: list[tuple[float, int, _Racer]] = []
+    for racer in sorted(racers, key=lambda racer: (-racer.estimate, racer.mean_slip_m)):
+        place[racer.band] = place.get(racer.band, -1) + 1
+        ordered.append((-racer.estimate, place[racer.band], racer))
+    return [racer for *_, racer in sorted(ordered, key=lambda entry: entry[:2])][:count]
 
 
-def _database(
-    robot: str, object: str, racers: list[_Racer], seed: int, settings: GraspSettings
-) -> GraspDatabase:
+def _database(robot: str, object: str, racers: list[_Racer], seed: int, settings: GraspSettings) -> GraspDatabase:
     return GraspDatabase(
         robot=robot,
         object=object,

@@ -17,9 +17,9 @@ from backend.tasks.setup import tray_size_m
 class LiftSettings:
     """One lift: go in, close, lift, hold."""
 
-    approach_s: float = 0.6
+    approach_s: float = 0.5
     close_s: float = 0.7
-    lift_s: float = 0.8
+    lift_s: float = 0.7
     lift_m: float = 0.12
     hold_s: float = 0.4
     noise_xy_m: float = 0.01
@@ -29,6 +29,15 @@ class LiftSettings:
     """Least distance of the open hand to the object on the way in."""
     tray_clearance_m: float = 0.004
     """Least distance of the open hand to tray and floor on the way in."""
+
+
+@dataclass(frozen=True)
+class Lifted:
+    """How a lift ended."""
+
+    held: bool
+    slip_m: float = float("inf")
+    """How far the object's middle moved in the hand from the end of the closing to the end of the hold."""
 
 
 class Bench:
@@ -47,7 +56,7 @@ class Bench:
             hand = bullet.add_hand(self.model, Pose.of((0.0, 0.0, 1.0)))
             return [self._way_is_clear(bullet, hand, tray, target, Pose(T)) for T in Ts_object_grasp]
 
-    def lift(self, T_object_grasp: Pose, rng: np.random.Generator | None) -> bool:
+    def lift(self, T_object_grasp: Pose, rng: np.random.Generator | None) -> Lifted:
         """Whether the hand brings the object up; with ``rng`` the object is not just where believed."""
         s = self.settings
         with self._world() as bullet:
@@ -63,17 +72,19 @@ class Bench:
             for _ in _ramp(s.close_s):
                 _advance(bullet, hand, drive, grasp)
             if not self._is_gripped(bullet, hand, target):
-                return False
+                return Lifted(False)
+            gripped = self._seen_from_tcp(bullet, hand, target)
             for u in _ramp(s.lift_s):
                 _advance(bullet, hand, drive, Pose.of((0.0, 0.0, u * u * (3.0 - 2.0 * u) * s.lift_m)) @ grasp)
             before_m = bullet.pose(target).xyz_m[2]
             if before_m - self._tray_m[2] < s.lift_m - 0.04:
-                return False
+                return Lifted(False)
             for _ in _ramp(s.hold_s):
                 _advance(bullet, hand, drive, Pose.of((0.0, 0.0, s.lift_m)) @ grasp)
             fell_m = before_m - bullet.pose(target).xyz_m[2]
             touched = {c.body_a if c.body_b == target else c.body_b for c in bullet.contacts(target)}
-            return fell_m < 0.005 and touched == {hand.body}
+            slip_m = float(np.linalg.norm(self._seen_from_tcp(bullet, hand, target) - gripped))
+            return Lifted(fell_m < 0.005 and touched == {hand.body}, slip_m)
 
     def _world(self) -> Bullet:
         return Bullet(self.settings.solver_iterations)
@@ -91,9 +102,7 @@ class Bench:
         x, y = rng.uniform(-s.noise_xy_m, s.noise_xy_m, 2)
         return Pose.from_xyz_yaw((x, y, 0.0), rng.uniform(-s.noise_yaw_rad, s.noise_yaw_rad))
 
-    def _way_is_clear(
-        self, bullet: Bullet, hand: HandAlone, tray: int, target: int, T_object_grasp: Pose
-    ) -> bool:
+    def _way_is_clear(self, bullet: Bullet, hand: HandAlone, tray: int, target: int, T_object_grasp: Pose) -> bool:
         s = self.settings
         grasp = Pose.of((0.0, 0.0, self._tray_m[2])) @ T_object_grasp
         back = self.model.description.backoff_m
@@ -105,10 +114,12 @@ class Bench:
                 return False
         return True
 
+    def _seen_from_tcp(self, bullet: Bullet, hand: HandAlone, target: int) -> Array:
+        middle = bullet.pose(target) @ Pose.of((0.0, 0.0, self._target.height_m / 2))
+        return (hand.tcp().inverse() @ middle).xyz_m
+
     def _is_gripped(self, bullet: Bullet, hand: HandAlone, target: int) -> bool:
-        touching = {
-            c.link_a if c.body_a == hand.body else c.link_b for c in bullet.contacts(hand.body, target)
-        }
+        touching = {c.link_a if c.body_a == hand.body else c.link_b for c in bullet.contacts(hand.body, target)}
         return len(touching & set(self.model.description.gripper.finger_links)) >= 2
 
 
