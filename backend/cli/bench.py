@@ -14,7 +14,6 @@ from backend.pipeline.values import Room
 from backend.scenario import Scenario, load_scenario, with_overrides
 
 
-
 def run(options: argparse.Namespace) -> int:
     """Print times and ratios, all from one run on this machine; always 0."""
     if options.trials < 1:

@@ -10,7 +10,7 @@ from backend.methods import METHODS
 from backend.objects import OBJECTS
 from backend.robots import ROBOTS
 from backend.scenario import scenario_names
-from backend.tasks import TASK_KINDS
+from backend.tasks import TASKS
 
 PACKAGES = ("pybullet", "numpy", "numba", "ompl", "toppra", "torch", "trimesh", "viser", "fastapi")
 
@@ -20,7 +20,7 @@ def run(options: argparse.Namespace) -> int:
     table: dict[str, object] = {
         "robots": list(ROBOTS),
         "objects": list(OBJECTS),
-        "tasks": list(TASK_KINDS),
+        "tasks": list(TASKS),
         "methods": list(METHODS),
         "scenarios": scenario_names(),
         "versions": {
