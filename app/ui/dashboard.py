@@ -118,9 +118,7 @@ class Dashboard:
 
     def _begin(self, started: Started) -> None:
         """A new trial is built even while nobody looks, so that whoever comes sees it at once."""
-        load_robot_parts(
-            started.scene.robot
-        )  # slow the first time, and nothing is sent inside an atomic block
+        load_robot_parts(started.scene.robot)  # slow at first; nothing is sent during an atomic block
         with self.server.atomic():
             for layer in self._layers:
                 layer.begin(started.scene)

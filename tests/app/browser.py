@@ -7,7 +7,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import cast
 
-from playwright.sync_api import Locator, Page, sync_playwright
+from playwright.sync_api import Browser, Locator, Page, sync_playwright
 
 FLAGS = (
     "--no-sandbox",
@@ -27,19 +27,28 @@ POSITION = "name => window.__viserMutable?.nodeRefFromName?.[name]?.position?.to
 
 
 @contextmanager
-def open_page(address: str, width: int = 1280, height: int = 720) -> Generator[Page]:
-    """A page on ``address``, closed with its browser at the end."""
+def open_browser() -> Generator[Browser]:
+    """A headless Chromium, closed at the end."""
     executable = next((path for path in map(shutil.which, NAMES) if path), None)
     assert executable, f"None of {', '.join(NAMES)} is on the PATH: `make test` installs one."
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=executable, headless=True, args=list(FLAGS))
         try:
-            page = browser.new_page(viewport={"width": width, "height": height})
-            page.set_default_timeout(15_000)
-            page.goto(address)
-            yield page
+            yield browser
         finally:
             browser.close()
+
+
+@contextmanager
+def open_page(browser: Browser, address: str, width: int = 1280, height: int = 720) -> Generator[Page]:
+    """A page on ``address``, closed at the end."""
+    page = browser.new_page(viewport={"width": width, "height": height})
+    page.set_default_timeout(15_000)
+    try:
+        page.goto(address)
+        yield page
+    finally:
+        page.close()
 
 
 def node_position(page: Page, name: str) -> list[float] | None:
@@ -52,6 +61,11 @@ def wait_for_node(page: Page, name: str, timeout_s: float = 15.0) -> None:
     page.wait_for_function(f"name => ({POSITION})(name) !== null", arg=name, timeout=1e3 * timeout_s)
 
 
+def click_scene(page: Page, x: float, y: float) -> None:
+    """Click into the 3-D view, so that keys go there."""
+    page.locator("canvas[data-engine]").click(position={"x": x, "y": y})
+
+
 def button(page: Page, name: str) -> Locator:
     return page.get_by_role("button", name=name, exact=True)
 
@@ -62,7 +76,7 @@ def choose(page: Page, label: str, option: str) -> None:
     page.get_by_role("option", name=option, exact=True).click()
 
 
-def number_box(page: Page, label: str) -> Locator:
-    """The box beside a slider."""
+def slider_box(page: Page, label: str) -> Locator:
+    """The number box beside a slider."""
     uuid = page.locator("label", has_text=label).first.get_attribute("for")
-    return page.locator(f'[id="{uuid}"]').locator("xpath=..").locator("input").first
+    return page.locator(f'xpath=//*[@id="{uuid}"]/ancestor::*[.//input[@type="text"]][1]//input[@type="text"]')

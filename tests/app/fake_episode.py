@@ -36,9 +36,7 @@ SCENARIOS = {
     "ur5_linear_slab": TrialInfo(
         "ur5_linear_slab", "UR5, slab", "ur5_robotiq", "cube", "linear_slab", "ik", "task.speed_mps", 0.05
     ),
-    "mico_varying": TrialInfo(
-        "mico_varying", "Mico, varying", "mico", "cube", "linear_varying", "ik", None, None
-    ),
+    "mico_varying": TrialInfo("mico_varying", "Mico, varying", "mico", "cube", "linear_varying", "ik", None, None),
     "boom": TrialInfo("boom", "Crashes", "mico", "cube", "linear", "ik", None, None),
 }
 
@@ -81,9 +79,7 @@ class FakeEngine:
 def tcp_of(q: Array) -> Pose:
     """A made-up hand that follows the first two joints, looking down."""
     reach = 0.5 + 0.1 * np.sin(q[1])
-    return Pose.from_xyz_rpy(
-        (reach * np.cos(q[0]), reach * np.sin(q[0]), 0.35 + 0.1 * q[2]), (np.pi, 0.0, q[0])
-    )
+    return Pose.from_xyz_rpy((reach * np.cos(q[0]), reach * np.sin(q[0]), 0.35 + 0.1 * q[2]), (np.pi, 0.0, q[0]))
 
 
 class FakeEpisode:
@@ -98,13 +94,9 @@ class FakeEpisode:
         self._speed_mps = speed
         self._start = np.array([0.45, -0.5 + 0.02 * (seed % 10), 0.02])
         path = self._start + np.linspace(0.0, 1.0, 60)[:, None] * np.array([0.0, 1.0, 0.0])
-        slab = (
-            BoxPlacement(Pose.of((0.45, 0.0, 0.45)), (0.1, 0.6, 0.02)) if info.task == "linear_slab" else None
-        )
+        slab = BoxPlacement(Pose.of((0.45, 0.0, 0.45)), (0.1, 0.6, 0.02)) if info.task == "linear_slab" else None
         obstacles = ("tomato_soup_can", "cube", "sugar_box") if slab is None else ()
-        self.scene = SceneDescription(
-            info.robot, info.object, (0.12, 0.12, 0.02), path, obstacles, slab, seed
-        )
+        self.scene = SceneDescription(info.robot, info.object, (0.12, 0.12, 0.02), path, obstacles, slab, seed)
         self.closed = False
 
     def apply(self, event: WorldEvent) -> None:
@@ -172,16 +164,12 @@ class FakeEpisode:
         t_s = tick * TICK_S
         here = self._start + np.array([0.0, self._s_m, 0.0])
         times = t_s + np.linspace(0.0, 2.0, 9)
-        Ts = np.array(
-            [Pose.of(here + np.array([0.0, self._speed_mps * (t - t_s), 0.0])).matrix for t in times]
-        )
+        Ts = np.array([Pose.of(here + np.array([0.0, self._speed_mps * (t - t_s), 0.0])).matrix for t in times])
         velocity = np.array([0.0, self._speed_mps, 0.0])
         prediction = Prediction(times, Ts, np.full(9, 0.002), velocity)
         candidates = _candidates(Pose(Ts[-1]))
         kept = tuple(int(i) for i in np.roll(np.arange(30), tick)[:10])
-        shortlist = Shortlist(
-            candidates, kept, np.linspace(1.0, 0.0, 30), {i: "no_ik" for i in range(10, 30)}
-        )
+        shortlist = Shortlist(candidates, kept, np.linspace(1.0, 0.0, 30), {i: "no_ik" for i in range(10, 30)})
         q_start, q_goal = self._q(t_s), self._q(t_s + 2.0) + 0.2
         goal = JointGoal(q_goal, q_goal + 0.05)
         i = kept[0]
@@ -217,9 +205,7 @@ class FakeEpisode:
 
 
 def _candidates(T_world_object: Pose) -> Candidates:
-    turns = [
-        Pose.from_xyz_rpy((0.0, 0.0, 0.1), (np.pi + 0.4 * np.sin(a), 0.0, a)) for a in np.linspace(0, 6, 30)
-    ]
+    turns = [Pose.from_xyz_rpy((0.0, 0.0, 0.1), (np.pi + 0.4 * np.sin(a), 0.0, a)) for a in np.linspace(0, 6, 30)]
     Ts_object = np.array([T.matrix for T in turns])
     Ts_world = T_world_object.matrix @ Ts_object
     back = Pose.of((0.0, 0.0, -0.075)).matrix
@@ -230,6 +216,4 @@ def joint_names(robot: str) -> tuple[str, ...]:
     """The arm's joints as the robots' own descriptions call them."""
     if robot == "mico":
         return tuple(f"m1n6s200_joint_{i}" for i in range(1, 7))
-    return tuple(
-        f"{n}_joint" for n in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
-    )
+    return tuple(f"{n}_joint" for n in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3"))

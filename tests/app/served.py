@@ -57,7 +57,8 @@ def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> 
         assert address, f"no address but {line!r}"
         yield Served(address[0], process)
     finally:
-        process.send_signal(signal.SIGINT)
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
         try:
             process.communicate(timeout=15.0)
         except subprocess.TimeoutExpired:

@@ -1,0 +1,253 @@
+"""Laws of layers and panels: every snapshot can be drawn, and what is drawn is where the snapshot says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+from html.parser import HTMLParser
+from typing import Any, cast
+
+import numpy as np
+import pytest
+import viser
+
+from app.commands import Restart
+from app.reports import Crashed, Pace, Started, Traces
+from app.session import SessionState
+from app.ui import words
+from app.ui.camera import viewpoint
+from app.ui.dashboard import start_viser
+from app.ui.geometry import chevrons, ribbon, segments
+from app.ui.layers import LAYERS, Layer, Picture
+from app.ui.panels.playback import LABELS, speed_label
+from app.ui.progress import WAIT_S, AutoNext, Tally
+from app.ui.robot_parts import load_robot_parts
+from backend.pipeline.values import Outcome
+from backend.robots import ROBOTS
+from backend.snapshot import SceneDescription, Snapshot
+from tests.app.fake_episode import SCENARIOS, FakeEngine
+
+NAMES = [name for name in SCENARIOS if name != "boom"]
+ENGINE = FakeEngine()
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    server = start_viser()
+    yield server
+    server.stop()
+
+
+@cache
+def recorded(name: str) -> tuple[SceneDescription, list[Snapshot]]:
+    episode = ENGINE.make_episode(Restart(scenario=name, overrides={}))
+    return episode.scene, list(episode.run())
+
+
+def draw_all(server: viser.ViserServer, name: str, ticks: slice) -> tuple[list[Layer], Snapshot]:
+    scene, snapshots = recorded(name)
+    layers: list[Layer] = [layer(server.scene) for layer in LAYERS]
+    for layer in layers:
+        layer.begin(scene)
+    for snapshot in snapshots[ticks]:
+        points = np.array([[0.0, 0.0, 0.1], [0.1, 0.0, 0.2], [0.2, 0.1, 0.3]])
+        picture = Picture(scene, snapshot, Traces(points, None), new_cycle=True)
+        for layer in layers:
+            layer.draw(picture)
+    return layers, snapshots[ticks][-1]
+
+
+def node(server: viser.ViserServer, name: str) -> Any:
+    handle = server.scene.get_handle_by_name(name)
+    assert handle is not None, name
+    return handle
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_layer_draws_every_kind_of_snapshot(server: viser.ViserServer, name: str) -> None:
+    draw_all(server, name, slice(0, None, 25))
+
+
+def test_things_stand_where_the_snapshot_says(server: viser.ViserServer) -> None:
+    _, snapshot = draw_all(server, "ur5_linear", slice(0, 200, 40))
+    np.testing.assert_allclose(node(server, "/object/body").position, snapshot.T_world_object.xyz_m)
+    tray_top_m = node(server, "/conveyor/tray").position[2] + 0.01
+    assert tray_top_m == pytest.approx(snapshot.T_world_tray.xyz_m[2])
+    for i, T in enumerate(snapshot.Ts_world_obstacle):
+        np.testing.assert_allclose(node(server, f"/obstacles/{i}").position, T[:3, 3])
+    poses = load_robot_parts("ur5_robotiq").tree.link_poses(snapshot.joints_rad)
+    for link in ("forearm_link", "wrist_3_link"):
+        np.testing.assert_allclose(node(server, f"/robot/{link}").position, poses[link][:3, 3])
+
+
+def test_the_shortlist_is_shown_best_to_last_and_the_picked_one_apart(server: viser.ViserServer) -> None:
+    _, snapshot = draw_all(server, "ur5_linear", slice(0, 100, 7))
+    assert snapshot.cycle is not None and snapshot.cycle.shortlist is not None and snapshot.cycle.picked is not None
+    shortlist, picked = snapshot.cycle.shortlist, snapshot.cycle.picked
+    hands = node(server, "/grasps/predicted/shortlist")
+    shown = [i for i in shortlist.kept if i != picked.index]
+    assert int(np.count_nonzero(hands.batched_scales)) == len(shown)
+    expected = shortlist.candidates.Ts_object_grasp[shown][:, :3, 3]
+    np.testing.assert_allclose(hands.batched_positions[: len(shown)], expected, atol=1e-6)
+    np.testing.assert_allclose(node(server, "/grasps/predicted/picked").position, picked.T_object_grasp.xyz_m)
+    assert len({tuple(color) for color in hands.batched_colors[: len(shown)]}) == len(shown)
+
+
+def test_what_a_cycle_does_not_have_is_not_shown(server: viser.ViserServer) -> None:
+    layers, snapshot = draw_all(server, "ur5_linear", slice(0, 100, 7))
+    assert snapshot.cycle is not None
+    empty = replace(snapshot.cycle, prediction=None, shortlist=None, picked=None, plan=None)
+    picture = Picture(recorded("ur5_linear")[0], replace(snapshot, cycle=empty), None, new_cycle=True)
+    for layer in layers:
+        layer.draw(picture)
+    for name in ("/grasps/predicted", "/grasps/predicted/picked", "/prediction/ghost", "/prediction/way"):
+        assert not node(server, name).visible, name
+
+
+def test_a_layer_switched_off_stays_off_in_the_next_trial(server: viser.ViserServer) -> None:
+    layers, _ = draw_all(server, "ur5_linear", slice(0, 1))
+    for layer in layers:
+        layer.show(False)
+        layer.begin(recorded("ur5_linear_slab")[0])
+    for name in (
+        "/conveyor",
+        "/robot",
+        "/object",
+        "/obstacles",
+        "/prediction",
+        "/grasps",
+        "/plans",
+        "/trail",
+    ):
+        assert not node(server, name).visible, name
+
+
+def test_a_new_trial_leaves_nothing_of_the_old_one(server: viser.ViserServer) -> None:
+    layers, _ = draw_all(server, "ur5_linear", slice(0, 1))
+    for layer in layers:
+        layer.begin(recorded("ur5_linear_slab")[0])
+    assert server.scene.get_handle_by_name("/obstacles/0") is None
+    assert server.scene.get_handle_by_name("/obstacles/slab") is not None
+
+
+@pytest.mark.parametrize("robot", sorted(ROBOTS))
+def test_every_robot_can_be_drawn_by_the_joints_it_reports(robot: str) -> None:
+    parts = load_robot_parts(robot)
+    assert {part.link for part in parts.parts} <= set(parts.tree.links)
+    assert all(np.isfinite(part.geometry.vertices).all() for part in parts.parts)
+    assert all(part.geometry.faces.max() < len(part.geometry.vertices) for part in parts.parts)
+    bounds = np.concatenate([part.geometry.vertices for part in parts.parts])
+    assert np.abs(bounds).max() < 1.0
+
+
+def test_arrows_point_along_the_belt_and_the_band_is_as_wide_as_the_tray() -> None:
+    path = np.linspace([0.0, 0.0, 0.02], [1.0, 0.0, 0.02], 30)
+    tips, tails = np.swapaxes(chevrons(path, spacing_m=0.1, size_m=0.02, lift_m=0.0), 0, 1)
+    assert (tips[:, 0] > tails[:, 0]).all()
+    band = ribbon(path, 0.12, 0.02)
+    assert np.ptp(band.vertices[:, 1]) == pytest.approx(0.12)
+    assert (band.vertices[:, 2] == 0.0).all()
+
+
+def test_segments_join_their_points() -> None:
+    points = np.arange(12.0).reshape(4, 3)
+    strokes = segments(points)
+    np.testing.assert_array_equal(strokes[:, 0], points[:-1])
+    np.testing.assert_array_equal(strokes[:, 1], points[1:])
+    assert segments(points[:1]).shape == (1, 2, 3)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_camera_stands_above_the_floor_and_sees_the_whole_belt(name: str) -> None:
+    scene, _ = recorded(name)
+    position, look_at = viewpoint(scene)
+    axis = (look_at - position) / np.linalg.norm(look_at - position)
+    rays = scene.belt_path_world - position
+    angles = np.arccos(rays @ axis / np.linalg.norm(rays, axis=1))
+    assert position[2] > 0.5
+    assert angles.max() < np.pi / 4
+
+
+def test_speed_labels_and_speeds_are_one_to_one() -> None:
+    assert all(speed_label(speed) == label for label, speed in LABELS.items())
+    assert list(LABELS) == ["1/8", "1/4", "1/2", "1", "2", "4", "8", "max"]
+
+
+def state_with(outcome: Outcome | None, run: int = 1, **fields: Any) -> SessionState:
+    scene, snapshots = recorded("ur5_linear")
+    restart = Restart(scenario="ur5_linear", overrides={})
+    state = SessionState(
+        status="running",
+        info=ENGINE.describe(restart),
+        restart=restart,
+        loading=False,
+        pace=Pace(paused=False, speed=1.0, real_time_factor=1.0),
+        started=Started(run, restart, scene),
+        snapshot=replace(snapshots[-1], outcome=outcome),
+    )
+    return replace(state, **fields)
+
+
+GRASPED = Outcome(strict=True, authors=True, reason=None)
+DROPPED = Outcome(strict=False, authors=False, reason="dropped")
+
+
+def test_every_trial_is_counted_once() -> None:
+    good, bad = state_with(GRASPED), state_with(DROPPED, run=2)
+    tally = Tally()
+    for state in (state_with(None), good, good, bad, bad):
+        tally = tally.after(state)
+    assert (tally.ended, tally.grasped) == (2, 1)
+
+
+def test_another_problem_starts_a_new_count() -> None:
+    tally = Tally().after(state_with(GRASPED))
+    other = Restart(scenario="ur5_linear", overrides={"object": "cube"})
+    tally = tally.after(state_with(DROPPED, run=2, restart=other))
+    assert (tally.ended, tally.grasped) == (1, 0)
+
+
+def test_the_next_trial_waits_for_the_outcome_to_be_read() -> None:
+    auto_next, over = AutoNext(enabled=True), state_with(GRASPED)
+    assert auto_next.remaining_s(state_with(None), 10.0) is None
+    assert auto_next.remaining_s(over, 20.0) == WAIT_S
+    assert auto_next.remaining_s(over, 20.0 + WAIT_S) == 0.0
+    paused = replace(over, pace=Pace(paused=True, speed=1.0, real_time_factor=0.0))
+    assert auto_next.remaining_s(paused, 30.0) is None
+    auto_next.enabled = False
+    assert auto_next.remaining_s(over, 40.0) is None
+
+
+class Tags(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.names: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.names.append(tag)
+
+
+def test_whatever_comes_from_outside_is_escaped() -> None:
+    evil = "<script>alert(1)</script><img src=x onerror=alert(1)>"
+    crash = Crashed(evil, evil)
+    pieces = (
+        words.banner(evil, evil, (0, 0, 0)),
+        words.facts([(evil, evil)]),
+        words.bars([(evil, 0.5, evil)], (0, 0, 0)),
+        words.note(evil),
+        words.crash_text(crash.cause, crash.traceback),
+    )
+    for piece in pieces:
+        tags = Tags()
+        tags.feed(piece)
+        assert not {"script", "img"} & set(tags.names), piece
+
+
+def test_every_outcome_has_plain_words() -> None:
+    assert words.outcome_words(GRASPED) == ("Grasped", "Lifted and held by the hand alone.")
+    for reason, text in words.REASONS.items():
+        headline, sentence = words.outcome_words(Outcome(False, False, reason))
+        assert headline == "Not grasped" and sentence == text
+    assert words.outcome_words(replace(DROPPED, detail="It slid."))[1] == "It slid."
+    assert cast(object, words.outcome_color(GRASPED)) != words.outcome_color(DROPPED)
