@@ -87,10 +87,10 @@ def test_spheres_cover_the_meshes(model: RobotModel):
 def test_spheres_do_not_bulge(model: RobotModel):
     robot = ET.parse(model.collision_urdf).getroot()
     for link in robot.findall("link"):
-        hulls = [trimesh.load(model.collision_urdf.parent / m.get("filename", "")) for m in link.iter("mesh")]
+        hulls = [_surface(model.collision_urdf.parent / m.get("filename", "")) for m in link.iter("mesh")]
         if not hulls:
             continue
-        vertices = np.concatenate([np.asarray(hull.vertices) for hull in hulls])
+        vertices = np.concatenate(hulls)
         spheres = model.spheres[str(link.get("name"))]
         low, high = vertices.min(axis=0) - 0.03, vertices.max(axis=0) + 0.03
         assert (spheres[:, :3] - spheres[:, 3:] > low).all() and (spheres[:, :3] + spheres[:, 3:] < high).all()
@@ -190,7 +190,7 @@ def test_an_unknown_robot_names_the_known_ones():
 
 
 def test_missing_descriptions_name_the_install_line(tmp_path: Path):
-    with pytest.raises(MissingResourceError, match="pip install rtb-data==1.1.0"):
+    with pytest.raises(MissingResourceError, match=r"pip install rtb-data==1\.1\.0"):
         source_files(SOURCES["mico"], tmp_path)
 
 
