@@ -11,8 +11,8 @@ ROOT = Path(__file__).parent.parent
 ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "execute")
 HEAVY = {
     "torch": set[str](),
-    "ompl": {"backend/pipeline/plan/rrt_connect.py"},
-    "toppra": {"backend/pipeline/retime/toppra.py"},
+    "ompl": {"backend/pipeline/plan/ompl_tree.py"},
+    "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": set[str](),
     "duckdb": set[str](),
     "plotly": set[str](),
