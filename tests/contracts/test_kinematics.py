@@ -1,7 +1,9 @@
 """What the kinematics of every listed robot must satisfy, against pinocchio and PyBullet."""
 
+import importlib
+from typing import Any
+
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from backend.kinematics import Kinematics, load_kinematics
@@ -9,6 +11,8 @@ from backend.pose import Array, rotation_angle_rad
 from backend.robots import ROBOTS
 from backend.robots.models import load_model
 from backend.sim.bullet import Bullet
+
+pin: Any = importlib.import_module("pinocchio")
 
 POSITION_M = 1e-4
 ROTATION_RAD = 8.7e-4

@@ -83,13 +83,13 @@ def hulls(path: Path) -> dict[str, Array]:
 
 
 def truth_m(twin: Twin, q: Array, within_m: float) -> float:
-    """Least true distance, at most ``within_m``; the base, which stands on the floor, does not count there."""
+    """Least true distance, at most ``within_m``; what stands on the floor and only turns does not count there."""
     kinematics = twin.scene.kinematics
     opening = kinematics.description.gripper.open_rad
     twin.robot.reset(q, opening)
     joints = dict(zip(kinematics.description.arm_joints, q.tolist(), strict=True))
     poses = kinematics.tree.link_poses(joints | hand_joints(kinematics.description.gripper, opening))
-    base = {name for name, body in kinematics.chain.body_of_link.items() if body == 0}
+    base = {name for name, body in kinematics.chain.body_of_link.items() if body <= 1}
     lowest = min(
         float((points @ poses[link][2, :3] + poses[link][2, 3]).min())
         for link, points in twin.hulls.items()
@@ -151,7 +151,9 @@ def with_target(robot: str = "ur5_robotiq") -> tuple[PlanningScene, Array]:
     kinematics = load_kinematics(robot)
     scene = PlanningScene(kinematics)
     q = np.array(kinematics.description.home_rad)
-    T_object = Pose.of(kinematics.fk(q)[:3, 3]) @ Pose.of((0.0, 0.0, -0.12))
+    T_world_tcp = kinematics.fk(q)
+    palm = T_world_tcp[:3, 3] - 0.06 * T_world_tcp[:3, 2]
+    T_object = Pose.of(palm) @ Pose.of((0.0, 0.0, -0.12))
     scene.set_target(load_object("bleach_cleanser"), T_object, TRAY_M, Pose.of((0.8, 0.8, 0.1)))
     return scene, q
 
@@ -169,10 +171,9 @@ def test_moving_the_target_moves_its_tray():
     scene, q = with_target()
     scene.move_target(Pose.of((2.0, 2.0, 0.5)))
     assert scene.is_free(q)
-    tcp = scene.kinematics.fk(q)[:3, 3]
-    above = Pose.of((tcp[0] - 0.8, tcp[1] - 0.8, tcp[2] - 0.1))
-    T_object_old = Pose.of(tcp) @ Pose.of((0.0, 0.0, -0.12))
-    scene.move_target(above @ T_object_old)
+    T_world_tcp = scene.kinematics.fk(q)
+    palm = T_world_tcp[:3, 3] - 0.06 * T_world_tcp[:3, 2]
+    scene.move_target(Pose.of(2.0 * palm - (0.8, 0.8, 0.1 + 0.12)))
     assert "too near to the tray" in scene.why_blocked(q, target=False)
 
 

@@ -41,9 +41,7 @@ class Curve:
         piece = int(np.clip(np.searchsorted(self.marks, s, side="right") - 1, 0, len(self.lengths) - 1))
         u = s - self.marks[piece]
         c0, c1, c2, c3 = self.coefficients[piece]
-        first = np.array(
-            [c0 + u * (c1 + u * (c2 + u * c3)), c1 + u * (2 * c2 + 3 * u * c3), c2 + 3 * u * c3, c3]
-        )
+        first = np.array([c0 + u * (c1 + u * (c2 + u * c3)), c1 + u * (2 * c2 + 3 * u * c3), c2 + 3 * u * c3, c3])
         return Curve(
             np.concatenate([first[None], self.coefficients[piece + 1 :]]),
             np.concatenate([[self.lengths[piece] - u], self.lengths[piece + 1 :]]),

@@ -33,16 +33,17 @@ class Approach:
 
 
 def approaches(waypoints: Array, qd_start: Array, limits: JointLimits) -> Iterator[Approach]:
-    """Curves from ``qd_start`` along the path (n >= 2, dof), best first; the last can always be timed."""
+    """Curves from ``qd_start`` along the path (n, dof), best first; the last can always be timed."""
     speed = float(np.linalg.norm(qd_start))
     if speed < STILL_RPS:
         yield Approach(rounded(waypoints, CORNER_RAD), 0.0)
         yield Approach(rounded(waypoints, TIGHT_CORNER_RAD), 0.0)
         return
-    path = rounded(waypoints, CORNER_RAD)
-    if qd_start @ path.coefficients[0, 1] > ALONG * speed:
-        yield Approach(_aligned(path, qd_start / speed), speed)
-    yield from _blends(path, qd_start, limits)
+    if len(waypoints) > 1:
+        path = rounded(waypoints, CORNER_RAD)
+        if qd_start @ path.coefficients[0, 1] > ALONG * speed:
+            yield Approach(_aligned(path, qd_start / speed), speed)
+        yield from _blends(path, qd_start, limits)
     for deviation_rad in (CORNER_RAD, TIGHT_CORNER_RAD):
         yield Approach(rounded(_brake_first(waypoints, qd_start, limits), deviation_rad), speed)
 
@@ -81,7 +82,7 @@ def _brake_first(waypoints: Array, qd: Array, limits: JointLimits) -> Array:
     stop_s = 1.05 * float((np.abs(qd) / limits.acceleration_rps2).max())
     way = qd * stop_s
     corner = waypoints[0] + way
-    rest = waypoints[1:]
+    rest = waypoints[1:] if len(waypoints) > 1 else waypoints
     if np.linalg.norm(rest[0] - corner) < 1e-6:
         rest = rest[1:]
     return np.vstack([waypoints[0], corner, rest])

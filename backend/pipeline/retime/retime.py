@@ -50,10 +50,8 @@ def retime(
         limits.acceleration_rps2 * ACCELERATION_SHARE,
     )
     moving = float(np.linalg.norm(qd_start)) >= STILL_RPS
-    if len(waypoints) == 1:
-        if not moving:
-            return Trajectory.hold(waypoints[0], start_s)
-        waypoints = np.vstack([waypoints, waypoints])
+    if len(waypoints) == 1 and not moving:
+        return Trajectory.hold(waypoints[0], start_s)
     best: Trajectory | None = None
     blocked = usable = 0
     for approach in approaches(waypoints, qd_start, own):

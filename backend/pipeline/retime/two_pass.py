@@ -20,9 +20,7 @@ STRAIGHT_SPACING_RAD = 0.04
 
 
 @kernel
-def bounds_of_u(
-    slopes: Array, bends: Array, delta: float, limit: Array, x: float
-) -> tuple[float, float, float, float]:
+def bounds_of_u(slopes: Array, bends: Array, delta: float, limit: Array, x: float) -> tuple[float, float, float, float]:
     """Range of u = x' / 2 that keeps accelerations within ``limit`` at squared speed ``x``.
 
     ``slopes``, ``bends`` (2, dof): first and second derivative at the interval's ends. Returns low, high and
