@@ -1,0 +1,153 @@
+"""The loop's laws: a seed is a trial, thinking costs the object's way, edits are repeated, ends have reasons."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from backend.episode import Episode
+from backend.errors import InvalidInputError
+from backend.events import SetBeltRate
+from backend.experiments.trial import run_trial
+from backend.methods import METHODS
+from backend.record import load_trace
+from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
+from backend.snapshot import Snapshot
+
+
+def scenario(name: str, *overrides: str) -> Scenario:
+    return with_overrides(load_scenario(name), overrides)
+
+
+def first_ticks(setup: Scenario, seed: int, count: int) -> list[Snapshot]:
+    with Episode(setup, seed) as episode:
+        return [snapshot for snapshot, _ in zip(episode.run(), range(count), strict=False)]
+
+
+def test_a_trial_grasps_and_says_how():
+    seen: list[Snapshot] = []
+    record = run_trial(scenario("ur5_linear"), seed=3, watch=seen.append)
+    assert record.strict and record.authors and record.reason is None
+    phases = list(dict.fromkeys(snapshot.phase for snapshot in seen))
+    assert phases == ["watch", "move", "approach", "close", "lift", "hold", "done"]
+    assert record.approach_start_s is not None and record.lift_end_s is not None
+    assert 0 < record.approach_start_s < record.lift_end_s < record.end_s
+    last = seen[-1]
+    assert last.outcome is not None and last.T_world_object.xyz_m[2] > seen[0].T_world_object.xyz_m[2] + 0.05
+
+
+@pytest.mark.parametrize("name", scenario_names())
+def test_the_same_seed_is_the_same_trial(name: str):
+    setup = scenario(name, "object=cube", "timing.timeout_s=4.0")
+    assert run_trial(setup, seed=1).fingerprint == run_trial(setup, seed=1).fingerprint
+
+
+def test_another_seed_is_another_trial():
+    setup = scenario("mico_linear", "timing.timeout_s=1.0")
+    assert run_trial(setup, seed=1).fingerprint != run_trial(setup, seed=2).fingerprint
+
+
+def test_trials_are_paired_over_methods():
+    starts = [first_ticks(scenario("ur5_linear_obstacles", f"method={m}"), 5, 1)[0] for m in METHODS]
+    for start in starts[1:]:
+        np.testing.assert_array_equal(start.T_world_object.matrix, starts[0].T_world_object.matrix)
+        np.testing.assert_array_equal(start.Ts_world_obstacle, starts[0].Ts_world_obstacle)
+
+
+def test_slower_thought_lets_the_object_go_further_before_the_arm_reacts():
+    def object_travel_until_the_arm_moves(think_s: float) -> float:
+        setup = scenario("ur5_linear", f"timing.budget_s={think_s}")
+        with Episode(setup, 3) as episode:
+            start = None
+            for snapshot in episode.run():
+                start = start or snapshot
+                if np.abs(snapshot.q - start.q).max() > 1e-3:
+                    return float(np.linalg.norm(snapshot.T_world_object.xyz_m - start.T_world_object.xyz_m))
+        raise AssertionError("the arm never moved")
+
+    quick, slow = object_travel_until_the_arm_moves(0.1), object_travel_until_the_arm_moves(1.0)
+    assert slow - quick == pytest.approx(0.05 * 0.9, abs=0.005)
+
+
+def test_the_papers_charge_makes_about_two_cycles_a_second():
+    ticks = first_ticks(scenario("ur5_linear", "timing.think=paper"), 3, 91)
+    assert 5 <= ticks[-1].cycles <= 9
+
+
+def test_measured_thought_still_grasps():
+    assert run_trial(scenario("ur5_linear", "timing.think=measured", "timing.budget_s=0.3"), seed=3).strict
+
+
+def test_the_arm_keeps_its_speed_limits():
+    setup = scenario("ur5_linear_obstacles")
+    with Episode(setup, 2) as episode:
+        qs = np.array([snapshot.q for snapshot in episode.run()])
+    limit = 0.315
+    assert np.abs(np.diff(qs, axis=0) * 30.0).max() <= 1.02 * limit
+
+
+def test_a_live_edit_is_recorded_and_repeated(tmp_path: Path):
+    setup = scenario("ur5_linear", "timing.timeout_s=6.0")
+    with Episode(setup, 3) as episode:
+        for snapshot in episode.run():
+            if snapshot.tick == 45:
+                episode.apply(SetBeltRate(rate=0.25))
+        trace_file = tmp_path / "edited.npz"
+        episode.recorder.save_trace(trace_file)
+        live = episode.recorder.fingerprint()
+    trace = load_trace(trace_file)
+    assert [(timed.tick, timed.event) for timed in trace.scenario.events] == [(45, SetBeltRate(rate=0.25))]
+    assert run_trial(trace.scenario).fingerprint == live
+    assert run_trial(setup, seed=3).fingerprint != live
+
+
+def test_what_is_not_a_trace_is_refused(tmp_path: Path):
+    other = tmp_path / "other.npz"
+    other.write_text("not a trace")
+    with pytest.raises(InvalidInputError, match=r"other\.npz is not a trace .* --trace FILE"):
+        load_trace(other)
+    with pytest.raises(InvalidInputError, match="There is no trace file"):
+        load_trace(tmp_path / "missing.npz")
+
+
+def test_a_trace_that_cannot_be_written_says_so(tmp_path: Path):
+    with pytest.raises(InvalidInputError, match="Cannot write the trace"):
+        run_trial(scenario("ur5_linear", "timing.timeout_s=0.5"), 1, tmp_path / "no" / "folder.npz")
+
+
+def test_a_belt_out_of_reach_ends_with_its_reason():
+    far = scenario(
+        "mico_linear", "task.distance_min_m=1.9", "task.distance_max_m=2.0", "task.speed_mps=0.2"
+    )
+    record = run_trial(far, seed=0)
+    assert not record.strict and record.reason == "never_reachable"
+    assert "belt came to its end" in record.detail
+
+
+def test_time_is_up_when_the_scenario_says():
+    record = run_trial(scenario("mico_linear", "timing.timeout_s=1.0"), seed=0)
+    assert record.reason == "timeout" and record.end_s == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_runs(method: str):
+    ticks = first_ticks(scenario("ur5_linear_obstacles", f"method={method}"), 2, 90)
+    assert ticks[-1].cycles > 10
+
+
+def test_noise_latency_and_dropout_are_lived_through():
+    rough = scenario(
+        "ur5_linear",
+        "sensing.position_noise_std_m=0.001",
+        "sensing.latency_s=0.1",
+        "sensing.dropout=0.3",
+    )
+    assert run_trial(rough, seed=3).strict
+
+
+def test_a_record_is_one_json_object():
+    record = run_trial(scenario("ur5_linear", "timing.timeout_s=0.5"), seed=1)
+    row = json.loads(json.dumps(record.as_dict()))
+    for key in ("robot", "task", "object", "method", "seed", "profile", "think", "fingerprint", "reason"):
+        assert key in row
