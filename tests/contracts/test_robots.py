@@ -13,6 +13,7 @@ import pytest
 import trimesh
 
 from backend.errors import MissingResourceError, NotFoundError
+from backend.kinematics.kinematics import load_kinematics
 from backend.pose import Array, Pose
 from backend.robots import ROBOTS
 from backend.robots.models import RobotModel, load_model
@@ -130,6 +131,26 @@ def test_the_hand_alone_lifts_a_box_and_holds_it(model: RobotModel):
         assert slip_m < 1e-3
 
 
+def test_the_whole_arm_lifts_a_box_and_holds_it(model: RobotModel):
+    kinematics = load_kinematics(model.description.name)
+    Ts_world_tcp = np.array([(Pose.of((0.35, 0.1, z)) @ DOWN).matrix for z in np.linspace(0.0, 0.2, 193)])
+    home = np.array(model.description.home_rad)
+    ways = [kinematics.follow(Ts_world_tcp, q) for q in kinematics.ik_branches(Ts_world_tcp[0], home)]
+    way = next(way for way in ways if way is not None)
+    with Bullet() as bullet:
+        bullet.add_floor()
+        box = bullet.add_box((0.05, 0.05, 0.05), Pose.of((0.35, 0.1, 0.025)), mass_kg=0.2, friction=0.7)
+        robot = bullet.add_robot(model, way[0], model.description.gripper.open_rad)
+        drive = GripperDrive(model.description.gripper)
+        drive.close()
+        _follow(bullet, robot, drive, np.repeat(way[:1], 240, axis=0))
+        gripped = _seen_from_tcp(bullet, robot, box)
+        _follow(bullet, robot, drive, way)
+        _follow(bullet, robot, drive, np.repeat(way[-1:], 480, axis=0))
+        assert bullet.pose(box).xyz_m[2] > 0.2
+        assert np.linalg.norm(_seen_from_tcp(bullet, robot, box) - gripped) < 1e-3
+
+
 def test_an_opened_hand_lets_go(model: RobotModel):
     with Bullet() as bullet:
         bullet.add_floor()
@@ -239,6 +260,13 @@ def _carry(bullet: Bullet, hand: HandAlone, drive: GripperDrive, from_m: float, 
     for k in range(steps):
         hand.move_to(Pose.of((0.0, 0.0, from_m + (to_m - from_m) * (k + 1) / steps)) @ DOWN)
         hand.command_gripper(drive.update(STEP_S))
+        bullet.step()
+
+
+def _follow(bullet: Bullet, robot: Robot, drive: GripperDrive, way: Array):
+    for q, qd in zip(way, np.gradient(way, STEP_S, axis=0), strict=True):
+        robot.command(q, qd)
+        robot.command_gripper(drive.update(STEP_S))
         bullet.step()
 
 
