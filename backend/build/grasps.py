@@ -10,6 +10,7 @@ import numpy as np
 
 from backend.build.antipodal import BANDS, AntipodalSampler
 from backend.build.lift import Bench, LiftSettings
+from backend.errors import InvalidInputError
 from backend.knowledge.grasps import GraspDatabase
 from backend.objects import load_object
 from backend.pose import Array, Pose
@@ -65,7 +66,10 @@ def build_grasps(
     on_progress: OnProgress,
     settings: GraspSettings | None = None,
 ) -> GraspDatabase:
-    """The ``count`` best grasps found (or fewer), best first. Same arguments, same database."""
+    """The ``count`` best grasps found (or fewer), best first. Same arguments, same database.
+
+    Raises ``NotFoundError`` for unknown names, ``InvalidInputError`` when no grasp lifts the object.
+    """
     settings = settings or GraspSettings()
     model, target = load_model(robot), load_object(object)
     bench = Bench(model, target, settings.lift)
@@ -81,12 +85,14 @@ def build_grasps(
         if len(racers) >= settings.clean_wanted or tried >= settings.clean_lifts:
             break
     on_progress(f"{len(racers)} of {tried} lift without noise")
+    if not racers:
+        raise InvalidInputError(f"{robot} cannot hold {object}: none of {tried} grasps lifted it.")
     for keep, lifts in settings.rounds:
         racers = _best(racers, keep)
         for racer in racers:
             for _ in range(lifts):
                 _try(bench, racer, lift_rng.spawn(1)[0])
-        rate = np.mean([r.successes / r.lifts for r in racers]) if racers else 0.0
+        rate = np.mean([r.successes / r.lifts for r in racers])
         on_progress(f"{len(racers)} racing, {rate:.2f} of the lifts hold")
     return _database(robot, object, _best(racers, count), seed, settings)
 

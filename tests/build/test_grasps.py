@@ -81,6 +81,12 @@ def test_the_same_seed_builds_the_same_database():
     assert first.facts["seed"] == 5
 
 
+def test_an_object_that_cannot_be_held_is_said():
+    nothing_lifts = dataclasses.replace(SMALL, lift=LiftSettings(close_s=0.01))
+    with pytest.raises(InvalidInputError, match="mico cannot hold cube: none of 4 grasps lifted it"):
+        build_grasps("mico", "cube", 5, 10, lambda _: None, nothing_lifts)
+
+
 def test_a_database_survives_the_file(tmp_path: Path):
     database = load_grasps("mico", "cube")
     path = save_grasps(database, tmp_path / "deep" / "cube.npz")

@@ -1,0 +1,52 @@
+"""``build``: make what the robot knows beforehand, and say how good it is."""
+
+import argparse
+import json
+import sys
+import time
+from typing import Any
+
+from backend.build.grasps import OnProgress, build_grasps
+from backend.errors import InvalidInputError, lookup
+from backend.knowledge.grasps import GraspDatabase, save_grasps
+from backend.objects import OBJECTS
+from backend.robots import ROBOTS
+
+
+def run(options: argparse.Namespace) -> int:
+    """Build the databases asked for, one after the other, each saved when it is done; always 0."""
+    if options.count < 1:
+        raise InvalidInputError(f"--count must be at least 1 (got {options.count})")
+    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, OBJECTS)):
+        if name is not None:
+            lookup(kind, name, dict.fromkeys(table))
+    built: list[dict[str, Any]] = []
+    for robot in [options.robot] if options.robot else list(ROBOTS):
+        for name in [options.object] if options.object else list(OBJECTS):
+            begun_s = time.perf_counter()
+            database = build_grasps(robot, name, options.seed, options.count, _teller(robot, name))
+            path = save_grasps(database)
+            entry = _entry(database, time.perf_counter() - begun_s) | {"file": str(path)}
+            built.append(entry)
+            if not options.json:
+                print(f"{robot} {name}: {entry['grasps']} grasps, {entry['held']:.2f} of their lifts held")
+    if options.json:
+        print(json.dumps({"databases": built}))
+    return 0
+
+
+def _entry(database: GraspDatabase, took_s: float) -> dict[str, Any]:
+    return {
+        "robot": database.robot,
+        "object": database.object,
+        "grasps": len(database),
+        "held": round(float(database.successes.sum() / database.lifts.sum()), 3),
+        "took_s": round(took_s, 1),
+    }
+
+
+def _teller(robot: str, name: str) -> OnProgress:
+    def tell(text: str) -> None:
+        print(f"{robot} {name}: {text}", file=sys.stderr, flush=True)
+
+    return tell
