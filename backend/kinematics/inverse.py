@@ -35,9 +35,7 @@ def pose_error(target: Array, tcp: Array, error: Array) -> float:
     for i in range(3):
         for j in range(3):
             d[3 * i + j] = (
-                target[3 * i] * tcp[3 * j]
-                + target[3 * i + 1] * tcp[3 * j + 1]
-                + target[3 * i + 2] * tcp[3 * j + 2]
+                target[3 * i] * tcp[3 * j] + target[3 * i + 1] * tcp[3 * j + 1] + target[3 * i + 2] * tcp[3 * j + 2]
             )
     x, y, z = d[7] - d[5], d[2] - d[6], d[3] - d[1]
     sine = np.sqrt(x * x + y * y + z * z)
@@ -92,10 +90,7 @@ def descend(links: Array, target: Array, q: Array, frames: Array) -> bool:
         move_bodies(links, q, frames)
         total = pose_error(target, frames[dof + 1], error)
         linear = error[0] ** 2 + error[1] ** 2 + error[2] ** 2
-        if (
-            linear < POSITION_TOLERANCE_M**2
-            and total - linear < (ROTATION_WEIGHT_M * ROTATION_TOLERANCE_RAD) ** 2
-        ):
+        if linear < POSITION_TOLERANCE_M**2 and total - linear < (ROTATION_WEIGHT_M * ROTATION_TOLERANCE_RAD) ** 2:
             return True
         if iteration % 6 == 5:
             if total > 0.7 * checkpoint:
@@ -134,6 +129,18 @@ def solve_near(links: Array, lower: Array, upper: Array, target: Array, near: Ar
     frames = np.empty((near.shape[0] + 2, 12))
     q[:] = near
     return descend(links, target, q, frames) and wrap_near(q, near, lower, upper)
+
+
+@kernel
+def solve_each(links: Array, limits: Array, targets: Array, nears: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """One descent per target (n, 12) from its own row of ``nears`` (n, dof): joints, NaN where it failed."""
+    n = targets.shape[0]
+    out, ok = np.empty(nears.shape), np.zeros(n, dtype=np.bool_)
+    for i in range(n):
+        ok[i] = solve_near(links, limits[0], limits[1], targets[i], nears[i], out[i])
+        if not ok[i]:
+            out[i] = np.nan
+    return out, ok
 
 
 @kernel
@@ -248,9 +255,7 @@ def solve_branches(
 
 
 @kernel
-def follow_rows(
-    links: Array, limits: Array, targets: Array, start: Array, max_step_rad: float
-) -> tuple[Array, int]:
+def follow_rows(links: Array, limits: Array, targets: Array, start: Array, max_step_rad: float) -> tuple[Array, int]:
     """IK along dense ``targets`` (m, 12), each from the one before: (m, dof) and how many were reached."""
     m, dof = targets.shape[0], start.shape[0]
     out, frames = np.empty((m, dof)), np.empty((dof + 2, 12))
@@ -260,11 +265,7 @@ def follow_rows(
         if not descend(links, targets[i], out[i], frames):
             return out, i
         for j in range(dof):
-            if (
-                out[i, j] < limits[0, j]
-                or out[i, j] > limits[1, j]
-                or abs(out[i, j] - previous[j]) > max_step_rad
-            ):
+            if out[i, j] < limits[0, j] or out[i, j] > limits[1, j] or abs(out[i, j] - previous[j]) > max_step_rad:
                 return out, i
         previous = out[i]
     return out, m

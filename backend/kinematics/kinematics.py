@@ -64,9 +64,7 @@ class Kinematics:
     def ik(self, T_world_tcp: Array, q_seed: Array) -> Array | None:
         """(dof,) joints that put the tcp there, next to ``q_seed``; None when descent from it fails."""
         q = np.empty(self.dof)
-        found = ik.solve_near(
-            self.chain.links, self.limits[0], self.limits[1], row_of(T_world_tcp), _rows(q_seed), q
-        )
+        found = ik.solve_near(self.chain.links, self.limits[0], self.limits[1], row_of(T_world_tcp), _rows(q_seed), q)
         return q if found else None
 
     def ik_branches(self, T_world_tcp: Array, q_near: Array, max_branches: int = 8, tries: int = 20) -> Array:
@@ -86,9 +84,7 @@ class Kinematics:
         )
         return found[:max_branches]
 
-    def ik_many(
-        self, Ts_world_tcp: Array, q_near: Array, restarts: int = 24
-    ) -> tuple[Array, NDArray[np.bool_]]:
+    def ik_many(self, Ts_world_tcp: Array, q_near: Array, restarts: int = 24) -> tuple[Array, NDArray[np.bool_]]:
         """(n, dof) one solution per pose, NaN where none was found, and (n,) whether one was.
 
         The descent from ``q_near`` comes first, then up to ``restarts`` fixed postures near the pose.
@@ -103,6 +99,10 @@ class Kinematics:
             self.yaw_sign,
             restarts,
         )
+
+    def ik_each(self, Ts_world_tcp: Array, q_seeds: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """(n, dof) the solution next to each row of ``q_seeds`` (n, dof), NaN where descent from it fails."""
+        return ik.solve_each(self.chain.links, self.limits, rows_of(Ts_world_tcp), _rows(q_seeds))
 
     def follow(self, Ts_world_tcp: Array, q_start: Array, max_joint_step_rad: float = 0.2) -> Array | None:
         """(m, dof) joints along (m, 4, 4) dense poses without a jump; None when a pose is not reached.
@@ -123,6 +123,7 @@ class Kinematics:
         self.ik(T, q)
         self.ik_branches(T, q, tries=1)
         self.ik_many(T[None], q, restarts=1)
+        self.ik_each(T[None], q[None])
         self.follow(T[None], q)
 
 
@@ -135,9 +136,7 @@ def load_kinematics(robot_name: str) -> Kinematics:
     return make_kinematics(model.description, LinkTree.from_urdf(model.collision_urdf), model.spheres)
 
 
-def make_kinematics(
-    description: RobotDescription, tree: LinkTree, spheres_of_link: dict[str, Array]
-) -> Kinematics:
+def make_kinematics(description: RobotDescription, tree: LinkTree, spheres_of_link: dict[str, Array]) -> Kinematics:
     """Kinematics from the robot's tree and its links' spheres (n, 4) in link frames."""
     limits = np.array([description.joint_lower_rad, description.joint_upper_rad])
     chain = Chain.from_tree(tree, description.arm_joints, description.flange_link, description.T_flange_tcp)
@@ -162,9 +161,7 @@ def _postures(limits: Array, count: int) -> Array:
     whole = limits[1] - limits[0] >= 2.0 * np.pi
     lower, upper = np.where(whole, -np.pi, limits[0]), np.where(whole, np.pi, limits[1])
     primes = (2, 3, 5, 7, 11, 13, 17)
-    unit = np.array(
-        [[_radical_inverse(i, p) for p in primes[: limits.shape[1]]] for i in range(1, count + 1)]
-    )
+    unit = np.array([[_radical_inverse(i, p) for p in primes[: limits.shape[1]]] for i in range(1, count + 1)])
     return lower + unit * (upper - lower)
 
 

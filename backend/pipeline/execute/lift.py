@@ -14,9 +14,7 @@ COAST_S = 0.4
 STRETCHES = 6
 
 
-def plan_lift(
-    kinematics: Kinematics, velocity_rps: Array, arm: ArmState, lift_m: float
-) -> Trajectory | Refusal:
+def plan_lift(kinematics: Kinematics, velocity_rps: Array, arm: ArmState, lift_m: float) -> Trajectory | Refusal:
     """Raise the tcp by ``lift_m`` as fast as the joints allow, at least ``SHORTEST_S`` long."""
     T0 = kinematics.fk(arm.q)
     velocity = (kinematics.jacobian(arm.q) @ arm.qd)[:3]

@@ -3,11 +3,12 @@
 import numpy as np
 
 from backend.pipeline.filter.ranking import RankContext
-from backend.pipeline.reach import joint_goal
+from backend.pipeline.reach import joint_goals
 from backend.pipeline.values import Candidate, JointGoal, Shortlist
 from backend.pose import Array, Pose
 
 BRANCHES = 4
+SAME_POSTURE_RAD = 0.05
 HELD_DISCOUNT = 0.7
 """The grasp the arm is moving to counts as this much nearer, so that it is not left for a trifle."""
 
@@ -47,17 +48,16 @@ def distance_rad(goal: JointGoal, q: Array) -> float:
 
 def _goals(shortlist: Shortlist, index: int, context: RankContext) -> tuple[list[JointGoal], str]:
     """Joint goals on distinct branches, nearest first; the last reason in words when there is none."""
+    c = shortlist.candidates
+    goals = list(shortlist.branches.get(index, ()))
+    found = context.kinematics.ik_branches(c.Ts_world_pregrasp[index], context.q, BRANCHES)
+    fresh = [q for q in found if all(np.abs(q - goal.q_pregrasp).max() >= SAME_POSTURE_RAD for goal in goals)]
     why = "pregrasp out of reach"
-    goals: list[JointGoal] = list(shortlist.branches.get(index, ()))
-    known = [goal.q_pregrasp for goal in goals]
-    T_pregrasp = shortlist.candidates.Ts_world_pregrasp[index]
-    for q_pregrasp in context.kinematics.ik_branches(T_pregrasp, context.q, BRANCHES):
-        if any(np.abs(q_pregrasp - q).max() < 0.05 for q in known):
-            continue
-        T_grasp = shortlist.candidates.Ts_world_grasp[index]
-        goal = joint_goal(context.kinematics, context.scene, T_grasp, q_pregrasp, context.lift_m)
-        if isinstance(goal, str):
-            why = goal
-        else:
-            goals.append(goal)
+    if fresh:
+        Ts_grasp = np.repeat(c.Ts_world_grasp[index][None], len(fresh), axis=0)
+        for goal in joint_goals(context.kinematics, context.scene, Ts_grasp, np.array(fresh), context.lift_m):
+            if isinstance(goal, str):
+                why = goal
+            else:
+                goals.append(goal)
     return sorted(goals, key=lambda goal: distance_rad(goal, context.q)), why

@@ -52,9 +52,7 @@ class RrtConnectPlanner:
         found = reconnected(ends, chain, count)
         return found or self._from_trees(request, ends, chain, "seeded", count)
 
-    def _from_trees(
-        self, request: PlanRequest, ends: Ends, chain: Array, how: str, count: CheckCount
-    ) -> Found | None:
+    def _from_trees(self, request: PlanRequest, ends: Ends, chain: Array, how: str, count: CheckCount) -> Found | None:
         """Trees from the states along ``chain``, and the way along it to the tree's root before."""
         from backend.pipeline.plan.ompl_tree import connect
 
