@@ -53,7 +53,7 @@ class Session:
     def __init__(self, engine: Engine, first: Restart, paused: bool = False) -> None:
         """Raises ``GraspingError`` when ``first`` cannot be run. Starts nothing."""
         self.engine = engine
-        self._lock = threading.Lock()
+        self._lock = threading.Condition()
         self._sending = threading.Lock()
         self._process: SpawnProcess | None = None
         self._link: Connection | None = None
@@ -65,6 +65,12 @@ class Session:
     @property
     def state(self) -> SessionState:
         return self._state
+
+    def next_snapshot(self, seen: Snapshot | None, timeout_s: float) -> SessionState:
+        """The state as soon as it has another snapshot than ``seen``, or after ``timeout_s``."""
+        with self._lock:
+            self._lock.wait_for(lambda: self._state.snapshot is not seen, timeout_s)
+            return self._state
 
     @property
     def process_id(self) -> int | None:
@@ -173,6 +179,7 @@ class Session:
     def _change(self, **fields: Any) -> None:
         with self._lock:
             self._state = replace(self._state, **fields)
+            self._lock.notify_all()
 
 
 def _cause_of_end(exit_code: int | None) -> str:

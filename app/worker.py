@@ -155,9 +155,7 @@ class Worker:
         assert self._episode is not None
         paths = (cycle.plan.path if cycle.plan else None, cycle.seed_path)
         robot = self._episode.scene.robot
-        plan, seed = (
-            None if path is None else self._engine.tcp_trace(robot, path.waypoints) for path in paths
-        )
+        plan, seed = (None if path is None else self._engine.tcp_trace(robot, path.waypoints) for path in paths)
         return Traces(plan, seed)
 
     def _report_pace(self, now: bool = False) -> None:

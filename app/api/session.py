@@ -10,6 +10,9 @@ from pydantic import BaseModel
 from app.commands import Command
 from app.session import Session, SessionState, Status
 from backend.pipeline.values import FailureReason, Phase
+from backend.pose import Pose
+
+Point = tuple[float, float, float]
 
 
 class OutcomeState(BaseModel):
@@ -49,7 +52,10 @@ class State(BaseModel):
     phase: Phase | None
     cycles: int | None
     belt_rate: float | None
-    object_m: tuple[float, float, float] | None
+    object_m: Point | None
+    """Where the object is, in the world."""
+    hand_m: Point | None
+    """Where the tcp is, in the world."""
     outcome: OutcomeState | None
     crash: CrashState | None
     refused_commands: int
@@ -75,7 +81,6 @@ def session_router(session: Session) -> APIRouter:
 def describe(state: SessionState) -> State:
     """``state`` in plain figures."""
     snapshot, outcome = state.snapshot, state.snapshot.outcome if state.snapshot else None
-    object_m = snapshot.T_world_object.xyz_m.tolist() if snapshot else None
     return State(
         simulation=state.status,
         loading=state.loading,
@@ -95,7 +100,8 @@ def describe(state: SessionState) -> State:
         phase=snapshot.phase if snapshot else None,
         cycles=snapshot.cycles if snapshot else None,
         belt_rate=snapshot.belt_rate if snapshot else None,
-        object_m=tuple(object_m) if object_m else None,
+        object_m=_point(snapshot.T_world_object) if snapshot else None,
+        hand_m=_point(snapshot.T_world_tcp) if snapshot else None,
         outcome=OutcomeState(
             strict=outcome.strict, authors=outcome.authors, reason=outcome.reason, detail=outcome.detail
         )
@@ -105,3 +111,8 @@ def describe(state: SessionState) -> State:
         refused_commands=state.refusals[0],
         last_refusal=state.refusals[1],
     )
+
+
+def _point(T: Pose) -> Point:
+    x, y, z = T.xyz_m.tolist()
+    return x, y, z

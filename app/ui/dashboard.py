@@ -97,15 +97,16 @@ class Dashboard:
         reset.on_trigger(lambda event: self._camera.reset(event.client) if event.client else None)
 
     def _run(self) -> None:
-        due_s = time.perf_counter()
-        while not self._stopping.wait(max(0.0, due_s - time.perf_counter())):
-            due_s = max(due_s + FRAME_S, time.perf_counter())
+        seen: Snapshot | None = None
+        while not self._stopping.is_set():
+            state = self._session.next_snapshot(seen, FRAME_S)
+            seen = state.snapshot
             self._desk.fulfil()
-            self.draw()
+            self.draw(state)
 
-    def draw(self) -> None:
+    def draw(self, state: SessionState) -> None:
         """One frame."""
-        state, now_s = self._session.state, time.monotonic()
+        now_s = time.monotonic()
         if state.started is not None and state.started is not self._begun:
             self._begin(state.started)
         if not self.server.get_clients():

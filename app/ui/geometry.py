@@ -38,9 +38,7 @@ def creased(mesh: trimesh.Trimesh) -> Geometry:
     return Geometry(np.asarray(shaded.vertices), np.asarray(shaded.faces))
 
 
-def box(
-    size_m: tuple[float, float, float], center_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> Geometry:
+def box(size_m: tuple[float, float, float], center_m: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Geometry:
     """A box with faces of its own, so that it is shaded flat."""
     mesh = trimesh.creation.box(extents=size_m)
     mesh.unmerge_vertices()

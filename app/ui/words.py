@@ -8,10 +8,10 @@ from app.ui.palette import BAD, GOOD, QUIET, Rgb, css
 from backend.pipeline.values import FailureReason, Outcome, Phase
 
 PHASES: dict[Phase, str] = {
-    "watch": "Watching the object",
-    "move": "Moving to the pregrasp",
+    "watch": "Watching",
+    "move": "Moving to pregrasp",
     "approach": "Approaching",
-    "close": "Closing the hand",
+    "close": "Closing hand",
     "lift": "Lifting",
     "hold": "Holding",
     "done": "Finished",

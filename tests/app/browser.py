@@ -80,3 +80,9 @@ def slider_box(page: Page, label: str) -> Locator:
     """The number box beside a slider."""
     uuid = page.locator("label", has_text=label).first.get_attribute("for")
     return page.locator(f'xpath=//*[@id="{uuid}"]/ancestor::*[.//input[@type="text"]][1]//input[@type="text"]')
+
+
+def close_notifications(page: Page) -> None:
+    """Close what viser itself has to say, such as that it draws without a graphics card."""
+    for notification in page.locator(".mantine-Notification-closeButton").all():
+        notification.click()

@@ -62,9 +62,7 @@ class ObstaclesLayer:
             shape = load_object(name)
             self._nodes.append(add_object(self._scene, f"/obstacles/{i}", shape, shape.color_rgb))
         if scene.slab is not None:
-            slab = self._scene.add_box(
-                "/obstacles/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.55
-            )
+            slab = self._scene.add_box("/obstacles/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.6)
             place(slab, scene.slab.T_world_box)
 
     def draw(self, picture: Picture) -> None:

@@ -44,9 +44,7 @@ class ConveyorLayer:
         self._arrows = self._scene.add_line_segments(
             "/conveyor/arrows", self._strokes[0], palette.BELT_ARROW, thickness=2.0, thickness_units="screen"
         )
-        self._tray = self._scene.add_box(
-            "/conveyor/tray", color=palette.TRAY, dimensions=(length_m, width_m, height_m)
-        )
+        self._tray = self._scene.add_box("/conveyor/tray", color=palette.TRAY, dimensions=(length_m, width_m, height_m))
         self._mark_base()
 
     def draw(self, picture: Picture) -> None:

@@ -17,6 +17,8 @@ from backend.pose import Array
 from backend.snapshot import SceneDescription
 
 NOWHERE = np.zeros((1, 2, 3))
+SEED_BELOW_M = np.array([0.0, 0.0, 0.004])
+"""The seed is drawn a little lower, so that a plan that follows it is seen on top of it."""
 TRAIL_S = 8.0
 TRAIL_STEP_S = 0.1
 TRAIL_REDRAW_S = 0.2
@@ -89,8 +91,8 @@ class PlansLayer:
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
-        self._seed = Polyline(self._scene, "/plans/seed", palette.SEED_PLAN, 3.0)
-        self._plan = Polyline(self._scene, "/plans/plan", palette.PLAN, 5.0)
+        self._seed = Polyline(self._scene, "/plans/seed", palette.SEED_PLAN, 7.0)
+        self._plan = Polyline(self._scene, "/plans/plan", palette.PLAN, 3.5)
 
     def draw(self, picture: Picture) -> None:
         if not picture.new_cycle or self._plan is None or self._seed is None:
@@ -98,7 +100,7 @@ class PlansLayer:
         traces = picture.traces
         if traces is not None and traces.plan_m is not None:
             self._plan.draw(traces.plan_m)
-            self._seed.draw(traces.seed_m)
+            self._seed.draw(None if traces.seed_m is None else traces.seed_m - SEED_BELOW_M)
 
     def show(self, visible: bool) -> None:
         self._root.show(visible)

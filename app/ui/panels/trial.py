@@ -41,8 +41,8 @@ def _banner(view: View) -> str:
         color = words.outcome_color(snapshot.outcome)
         coming = "" if view.next_in_s is None else f" Next trial in {max(view.next_in_s, 0.0):.0f} s."
         return words.banner(headline, text + coming, color)
-    headline = words.PHASES[snapshot.phase] + (" (paused)" if state.pace.paused else "")
-    return words.banner(headline, state.info.title, palette.BRAND)
+    text = ("Paused. " if state.pace.paused else "") + state.info.title
+    return words.banner(words.PHASES[snapshot.phase], text, palette.BRAND)
 
 
 def _trial_rows(state: SessionState, tally: Tally) -> list[tuple[str, str]]:
@@ -66,9 +66,7 @@ def _cycle_html(cycle: CycleResult) -> str:
     rows = [(room, seconds / longest_s, f"{1e3 * seconds:.1f} ms") for room, seconds in times.items()]
     kept = len(cycle.shortlist.kept) if cycle.shortlist else 0
     count = len(cycle.shortlist.score) if cycle.shortlist else 0
-    verdict = (
-        cycle.plan.how if cycle.plan else f"{cycle.refused_by}: {cycle.why}" if cycle.refused_by else "-"
-    )
+    verdict = cycle.plan.how if cycle.plan else f"{cycle.refused_by}: {cycle.why}" if cycle.refused_by else "-"
     head = [
         ("Whole cycle", f"{1e3 * total_s:.1f} ms"),
         ("Grasps kept", f"{kept} of {count}"),
