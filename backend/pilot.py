@@ -8,9 +8,11 @@ from backend.cycle import Cycle, CycleStart
 from backend.pipeline.execute import (
     CLOSE_AT_MOST_S,
     Approach,
+    ApproachRequest,
     ArmState,
     Executor,
     can_grasp,
+    correct_approach,
     plan_approach,
     plan_lift,
 )
@@ -28,6 +30,8 @@ from backend.trajectory import Path, Trajectory
 
 TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
+LIKELY_CLOSE_S = 0.5
+"""About when after the arrival the fingers have closed and the lift begins."""
 CHECK_EVERY = 4
 """Knots of the approach between two collision checks, 1/15 s."""
 
@@ -65,16 +69,14 @@ class Pilot:
         self.executor.take_over(t_s)
         if not self._fresh or t_s < self._busy_until_s - 1e-9:
             return None
-        execution = self._cycle.method.execution
         if self.executor.phase == "approach":
-            if execution.tracking and t_s < self.executor.arrive_s - TRACKING_LAST_S:
-                self._fresh = False
-                self._go_in(t_s, self.executor.arrive_s - t_s)
+            self._fresh = False
+            self._correct(t_s)
             return None
         if self.executor.phase not in ("watch", "move"):
             return None
         self._fresh = False
-        if self._near(t_s) and self._go_in(t_s, execution.approach_s):
+        if self._near(t_s) and self._go_in(t_s):
             return None
         return self._think_once(t_s)
 
@@ -113,28 +115,48 @@ class Pilot:
         tcp = self._cycle.kinematics.fk(self.executor.arm_at(begin_s).q)
         return can_grasp(tcp, grasp, self._cycle.robot.backoff_m, self._cycle.method.execution)
 
-    def _go_in(self, t_s: float, shortest_s: float) -> bool:
-        """Begin or correct the approach; False when it, or the lift after it, cannot be done."""
-        assert self._held is not None
-        arm = self.executor.arm_at(t_s + self._think.approach_s())
-        approach = plan_approach(
-            self._cycle.kinematics,
-            self._cycle.limits.velocity_rps,
-            arm,
-            self._object_at,
-            self._held.T_object_grasp,
-            max(shortest_s - self._think.approach_s(), TRACKING_LAST_S),
-            CLOSE_AT_MOST_S,
-        )
+    def _go_in(self, t_s: float) -> bool:
+        """Begin the approach; False when it, or the lift after it, cannot be done."""
+        request = self._request(t_s)
+        approach = plan_approach(self._cycle.kinematics, self._cycle.limits.velocity_rps, request)
         refusal = approach if isinstance(approach, Refusal) else self._unsafe(approach)
         if isinstance(approach, Refusal) or refusal is not None:
             self.approach_refusal = "" if refusal is None else refusal.why
             return False
-        if self.approach_start_s is None:
-            self.approach_start_s = arm.t_s
-        self.executor.begin_approach(approach)
-        self._busy_until_s = arm.t_s
+        self.approach_start_s = request.arm.t_s
+        self._begin(approach)
         return True
+
+    def _correct(self, t_s: float) -> None:
+        """Bend the way in to the newest prediction, if that is wanted, worth it and possible."""
+        approach = self.executor.approach
+        request = self._request(t_s)
+        assert approach is not None
+        too_late = request.arm.t_s > approach.arrive_s - TRACKING_LAST_S
+        if not self._cycle.method.execution.tracking or too_late or approach.still_right(self._object_at):
+            return
+        kinematics, velocity_rps = self._cycle.kinematics, self._cycle.limits.velocity_rps
+        if request.arm.t_s < approach.slide_s:
+            corrected = plan_approach(kinematics, velocity_rps, request)
+        else:
+            corrected = correct_approach(kinematics, velocity_rps, request, approach.arrive_s)
+        if not isinstance(corrected, Refusal) and self._unsafe(corrected) is None:
+            self._begin(corrected)
+
+    def _request(self, t_s: float) -> ApproachRequest:
+        assert self._held is not None
+        return ApproachRequest(
+            arm=self.executor.arm_at(t_s + self._think.approach_s()),
+            object_at=self._object_at,
+            T_object_grasp=self._held.T_object_grasp,
+            backoff_m=self._cycle.robot.backoff_m,
+            slide_s=self._cycle.method.execution.approach_s,
+            ride_s=CLOSE_AT_MOST_S,
+        )
+
+    def _begin(self, approach: Approach) -> None:
+        self.executor.begin_approach(approach)
+        self._busy_until_s = approach.trajectory.start_s
 
     def _unsafe(self, approach: Approach) -> Refusal | None:
         """Why the way in, or the lift that follows it, cannot be done; None when both can."""
@@ -145,11 +167,13 @@ class Pilot:
         if not free.all():
             blocked = going_in[int(np.argmin(free))]
             return Refusal(f"approach: {scene.why_blocked(blocked, target=False)}")
-        q, qd = trajectory.sample(approach.arrive_s)
-        lift_m = self._cycle.method.execution.lift_m
-        arm = ArmState(q, qd, approach.arrive_s)
-        lift = plan_lift(self._cycle.kinematics, self._cycle.limits.velocity_rps, arm, lift_m)
-        return lift if isinstance(lift, Refusal) else None
+        for lift_s in (approach.arrive_s + LIKELY_CLOSE_S, trajectory.end_s - 1e-3):
+            arm = ArmState(*trajectory.sample(lift_s), lift_s)
+            lift_m = self._cycle.method.execution.lift_m
+            lift = plan_lift(self._cycle.kinematics, self._cycle.limits.velocity_rps, arm, lift_m)
+            if isinstance(lift, Refusal):
+                return lift
+        return None
 
     def _object_at(self, t_s: Array) -> Array:
         """(n, 4, 4) predicted poses at simulated times (n,)."""

@@ -1,5 +1,7 @@
 """Approach: from wherever the hand is near the pregrasp, along the grasp's axis, into a moving object."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -9,16 +11,21 @@ from backend.kinematics import Kinematics
 from backend.pipeline.execute.blend import rotations, rotvec, to_zero
 from backend.pipeline.execute.cartesian import ArmState, follow, knot_times, speed_ratio
 from backend.pipeline.values import Refusal
-from backend.pose import Array, Pose, inverse
+from backend.pose import Array, Pose, inverse, rotation_angle_rad
 from backend.trajectory import Trajectory
 
 ObjectAt = Callable[[Array], Array]
 """Simulated times (n,) -> predicted Ts_world_object (n, 4, 4)."""
 
-ALIGN_PART = 0.55
-"""The hand is on the grasp's axis, turned rightly, after this part of the approach."""
-STRETCHES = 5
+ALIGN_MPS = 0.06
+ALIGN_RPS = 0.6
+SHORTEST_ALIGN_S = 0.25
+"""The hand settles onto the grasp's axis at about these speeds, and takes at least so long."""
+STRETCHES = 6
 LONGEST_S = 6.0
+CORRECT_FROM_M = 1.5e-3
+CORRECT_FROM_RAD = 0.01
+"""A prediction for the arrival that differs by less is not worth a correction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,59 +34,108 @@ class Approach:
 
     trajectory: Trajectory
     """Goes on riding along after ``arrive_s`` for as long as was asked."""
+    slide_s: float
+    """When the hand is aligned and starts to slide in along the grasp's axis."""
     arrive_s: float
+    T_world_object: Pose
+    """Where the object is expected at ``arrive_s``."""
+
+    def still_right(self, object_at: ObjectAt) -> bool:
+        """Whether the newest prediction for the arrival agrees with the one the approach was made for."""
+        T = object_at(np.array([self.arrive_s]))[0]
+        shift_m = float(np.linalg.norm(T[:3, 3] - self.T_world_object.xyz_m))
+        turn_rad = rotation_angle_rad(T[:3, :3], self.T_world_object.rotation)
+        return shift_m < CORRECT_FROM_M and turn_rad < CORRECT_FROM_RAD
 
 
-def plan_approach(
-    kinematics: Kinematics,
-    velocity_rps: Array,
-    arm: ArmState,
-    object_at: ObjectAt,
-    T_object_grasp: Pose,
-    shortest_s: float,
-    ride_s: float,
-) -> Approach | Refusal:
-    """Reach the grasp on the moving object in ``shortest_s`` or, where joints are too slow, as soon as they can.
+@dataclass(frozen=True, eq=False)
+class ApproachRequest:
+    """What an approach has to do."""
 
-    Seen from the object, the hand first settles onto the grasp's axis and then slides in along it; it starts
-    with the velocity it has and arrives at rest relative to the object, with which it then rides ``ride_s`` on.
+    arm: ArmState
+    object_at: ObjectAt
+    T_object_grasp: Pose
+    backoff_m: float
+    slide_s: float
+    """Shortest time from pregrasp to grasp."""
+    ride_s: float
+    """How long to ride along after the arrival."""
+
+
+def plan_approach(kinematics: Kinematics, velocity_rps: Array, request: ApproachRequest) -> Approach | Refusal:
+    """Settle onto the grasp's axis at the back-off distance, then slide in, as fast as the joints allow.
+
+    Both happen in the frame of the moving object. The motion starts with the velocity the arm has, and arrives at
+    rest relative to the object, with which it then rides along.
     """
-    duration_s = shortest_s
+    offset, drift, spin = _relative_state(kinematics, request)
+    sideways_m = float(np.linalg.norm(offset[:3, 3] + [0.0, 0.0, request.backoff_m]))
+    turn_rad = float(np.linalg.norm(rotvec(offset[:3, :3])))
+    align_s = max(SHORTEST_ALIGN_S, sideways_m / ALIGN_MPS, turn_rad / ALIGN_RPS)
+    slide_s = request.slide_s
+    back = np.array([0.0, 0.0, -request.backoff_m])
     for _ in range(STRETCHES):
-        t_s = knot_times(duration_s + ride_s)
-        Ts = _tcp_poses(kinematics, arm, t_s, duration_s, object_at(arm.t_s + t_s), T_object_grasp)
-        trajectory = follow(kinematics, arm, t_s, Ts)
+        t_s = knot_times(align_s + slide_s + request.ride_s)
+        still_back = to_zero(np.ones(1), np.zeros(1), slide_s, np.maximum(t_s - align_s, 0.0))
+        place = still_back * back + to_zero(offset[:3, 3] - back, drift, align_s, t_s)
+        turn = to_zero(rotvec(offset[:3, :3]), spin, align_s, t_s)
+        trajectory = _followed(kinematics, request, t_s, place, turn)
         if trajectory is None:
             return Refusal("the arm cannot follow the approach on one IK branch")
-        ratio = speed_ratio(trajectory, velocity_rps)
-        if ratio <= 1.0:
-            return Approach(trajectory, arm.t_s + duration_s)
-        duration_s *= min(max(1.03 * ratio, 1.05), 2.0)
-        if duration_s > LONGEST_S:
+        aligning = speed_ratio(trajectory, velocity_rps, until_s=align_s)
+        sliding = speed_ratio(trajectory, velocity_rps, from_s=align_s)
+        if max(aligning, sliding) <= 1.0:
+            slide_start_s = request.arm.t_s + align_s
+            return _approach(trajectory, slide_start_s, slide_start_s + slide_s, request)
+        align_s *= _stretch(aligning)
+        slide_s *= _stretch(sliding)
+        if align_s + slide_s > LONGEST_S:
             break
     return Refusal("the joints are too slow for the approach")
 
 
-def _tcp_poses(
-    kinematics: Kinematics,
-    arm: ArmState,
-    t_s: Array,
-    duration_s: float,
-    Ts_object: Array,
-    T_object_grasp: Pose,
-) -> Array:
-    """(n, 4, 4) T_world_tcp at the knots ``t_s`` (n,)."""
-    Ts_grasp = Ts_object @ T_object_grasp.matrix
-    offset = inverse(Ts_grasp[0]) @ kinematics.fk(arm.q)
+def correct_approach(
+    kinematics: Kinematics, velocity_rps: Array, request: ApproachRequest, arrive_s: float
+) -> Approach | Refusal:
+    """Bend a slide that is under way to a new prediction, without changing when it arrives."""
+    offset, drift, spin = _relative_state(kinematics, request)
+    left_s = arrive_s - request.arm.t_s
+    t_s = knot_times(left_s + request.ride_s)
+    place = to_zero(offset[:3, 3], drift, left_s, t_s)
+    turn = to_zero(rotvec(offset[:3, :3]), spin, left_s, t_s)
+    trajectory = _followed(kinematics, request, t_s, place, turn)
+    if trajectory is None or speed_ratio(trajectory, velocity_rps) > 1.0:
+        return Refusal("the correction is beyond the arm")
+    return _approach(trajectory, request.arm.t_s, arrive_s, request)
+
+
+def _approach(trajectory: Trajectory, slide_s: float, arrive_s: float, request: ApproachRequest) -> Approach:
+    T_world_object = Pose(request.object_at(np.array([arrive_s]))[0])
+    return Approach(trajectory, slide_s, arrive_s, T_world_object)
+
+
+def _stretch(ratio: float) -> float:
+    return min(max(1.03 * ratio, 1.05), 2.0) if ratio > 1.0 else 1.0
+
+
+def _relative_state(kinematics: Kinematics, request: ApproachRequest) -> tuple[Array, Array, Array]:
+    """T_grasp_tcp (4, 4) now, and its rates: (3,) m/s and (3,) rad/s in the grasp frame."""
+    arm = request.arm
+    step_s = 0.02
+    Ts_grasp = request.object_at(np.array([arm.t_s, arm.t_s + step_s])) @ request.T_object_grasp.matrix
     twist = kinematics.jacobian(arm.q) @ arm.qd
-    grasp_velocity = (Ts_grasp[1, :3, 3] - Ts_grasp[0, :3, 3]) / (t_s[1] - t_s[0])
+    grasp_velocity = (Ts_grasp[1, :3, 3] - Ts_grasp[0, :3, 3]) / step_s
     R_grasp_world = Ts_grasp[0, :3, :3].T
-    drift = R_grasp_world @ (twist[:3] - grasp_velocity)
-    spin = R_grasp_world @ twist[3:]
-    align_s = ALIGN_PART * duration_s
-    place = to_zero(offset[:3, 3], drift, duration_s, t_s)
-    place[:, :2] = to_zero(offset[:2, 3], drift[:2], align_s, t_s)
+    offset = inverse(Ts_grasp[0]) @ kinematics.fk(arm.q)
+    return offset, R_grasp_world @ (twist[:3] - grasp_velocity), R_grasp_world @ twist[3:]
+
+
+def _followed(
+    kinematics: Kinematics, request: ApproachRequest, t_s: Array, place: Array, turn: Array
+) -> Trajectory | None:
+    """Trajectory along T_grasp_tcp, given as positions (n, 3) and rotation vectors (n, 3) at the knots (n,)."""
+    Ts_grasp = request.object_at(request.arm.t_s + t_s) @ request.T_object_grasp.matrix
     Ts_grasp_tcp = np.tile(np.eye(4), (len(t_s), 1, 1))
-    Ts_grasp_tcp[:, :3, :3] = rotations(to_zero(rotvec(offset[:3, :3]), spin, align_s, t_s))
+    Ts_grasp_tcp[:, :3, :3] = rotations(turn)
     Ts_grasp_tcp[:, :3, 3] = place
-    return Ts_grasp @ Ts_grasp_tcp
+    return follow(kinematics, request.arm, t_s, Ts_grasp @ Ts_grasp_tcp)

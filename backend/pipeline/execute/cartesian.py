@@ -41,7 +41,8 @@ def follow(kinematics: Kinematics, arm: ArmState, t_s: Array, Ts_world_tcp: Arra
     return Trajectory(arm.t_s + t_s, qs, qds)
 
 
-def speed_ratio(trajectory: Trajectory, velocity_rps: Array) -> float:
-    """Largest joint speed between knots as a multiple of its limit (dof,)."""
-    speeds = np.diff(trajectory.q, axis=0) / np.diff(trajectory.t_s)[:, None]
-    return float((np.abs(speeds) / velocity_rps).max())
+def speed_ratio(trajectory: Trajectory, velocity_rps: Array, from_s: float = 0.0, until_s: float = np.inf) -> float:
+    """Largest joint speed between knots as a multiple of its limit (dof,), in a span counted from the start."""
+    begin = trajectory.t_s[:-1] - trajectory.start_s
+    speeds = np.abs(np.diff(trajectory.q, axis=0)) / np.diff(trajectory.t_s)[:, None] / velocity_rps
+    return float(speeds[(begin >= from_s) & (begin < until_s)].max(initial=0.0))

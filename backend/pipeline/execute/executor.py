@@ -12,6 +12,8 @@ from backend.trajectory import Trajectory
 
 CLOSE_AT_MOST_S = 1.2
 """The fingers have met whatever they will meet by then."""
+LIFT_PARTS = (1.0, 0.8, 0.6)
+"""Parts of the wanted height that are tried in turn when the arm cannot follow all of it."""
 STALLED_RPS = 0.02
 """Slower than this, closing fingers press on something."""
 STALLED_FOR_S = 0.1
@@ -22,8 +24,8 @@ class Executor:
 
     def __init__(self, kinematics: Kinematics, velocity_rps: Array, config: Execution, home: Array) -> None:
         self.phase: Phase = "watch"
-        self.arrive_s = 0.0
-        """When the approach under way reaches the grasp."""
+        self.approach: Approach | None = None
+        """The approach under way."""
         self.lift_refusal: str | None = None
         self._kinematics = kinematics
         self._velocity_rps = velocity_rps
@@ -54,7 +56,7 @@ class Executor:
     def begin_approach(self, approach: Approach) -> None:
         """Go in; a later call while approaching corrects the way."""
         self._next = approach.trajectory
-        self.arrive_s = approach.arrive_s
+        self.approach = approach
         self.phase = "approach"
 
     def targets(self, t_s: float) -> tuple[Array, Array]:
@@ -69,7 +71,7 @@ class Executor:
 
     def advance(self, t_s: float, gripper: GripperDrive, finger_rad: float) -> None:
         """Go on to the next phase when its time has come; ``finger_rad`` is where the master joint really is."""
-        if self.phase == "approach" and t_s >= self.arrive_s:
+        if self.phase == "approach" and self.approach is not None and t_s >= self.approach.arrive_s:
             self.phase = "close"
             self._close_s = t_s
             gripper.close()
@@ -91,10 +93,13 @@ class Executor:
         return closing_s >= self._config.close_s and (stalled or closing_s >= CLOSE_AT_MOST_S)
 
     def _lift(self, t_s: float) -> None:
-        lift = plan_lift(self._kinematics, self._velocity_rps, self.arm_at(t_s), self._config.lift_m)
-        if isinstance(lift, Refusal):
+        """Straight up as far as was asked, or as far as the arm can."""
+        for part in LIFT_PARTS:
+            lift_m = part * self._config.lift_m
+            lift = plan_lift(self._kinematics, self._velocity_rps, self.arm_at(t_s), lift_m)
+            if not isinstance(lift, Refusal):
+                self._next = lift
+                self.phase = "lift"
+                return
             self.lift_refusal = lift.why
-            self.phase = "hold"
-            return
-        self._next = lift
-        self.phase = "lift"
+        self.phase = "hold"
