@@ -18,6 +18,8 @@ def run(options: argparse.Namespace) -> int:
     """Run the trials and print the tables; always 0."""
     if options.seeds < 1:
         raise InvalidInputError(f"--seeds must be at least 1 (got {options.seeds})")
+    if options.workers is not None and options.workers < 1:
+        raise InvalidInputError(f"--workers must be at least 1 (got {options.workers})")
     jobs = _jobs(options)
     rows: list[Row] = []
     begun_s = time.perf_counter()

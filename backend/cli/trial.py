@@ -5,6 +5,7 @@ import json
 import sys
 from pathlib import Path
 
+from backend.errors import InvalidInputError
 from backend.experiments.trial import run_trial
 from backend.record import TrialRecord
 from backend.scenario import load_scenario, with_overrides
@@ -13,6 +14,8 @@ from backend.snapshot import Snapshot
 
 def run(options: argparse.Namespace) -> int:
     """0 when the object was grasped by the strict rule, else 1."""
+    if options.seed is not None and options.seed < 0:
+        raise InvalidInputError(f"--seed must not be negative (got {options.seed})")
     scenario = with_overrides(load_scenario(options.scenario), options.overrides)
     live = sys.stderr.isatty() and not options.json
     trace = None if options.trace is None else Path(options.trace)

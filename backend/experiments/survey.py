@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 
+from backend.experiments.trial import run_trial
 from backend.record import TrialRecord
 from backend.scenario import Scenario
 
@@ -34,7 +36,7 @@ def run_jobs(jobs: Iterable[Job], workers: int) -> Iterator[Row]:
     """Run every job in spawned processes; rows come as they are done."""
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+    with ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_interrupts_to_the_parent) as pool:
         try:
             for future in as_completed([pool.submit(_run, job) for job in jobs]):
                 yield future.result()
@@ -43,9 +45,11 @@ def run_jobs(jobs: Iterable[Job], workers: int) -> Iterator[Row]:
             raise
 
 
-def _run(job: Job) -> Row:
-    from backend.experiments.trial import run_trial
+def _leave_interrupts_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
+
+def _run(job: Job) -> Row:
     return Row(job.name, run_trial(job.scenario, job.seed))
 
 

@@ -1,0 +1,123 @@
+"""The command line: what it prints, what it refuses and how, as its user would run it."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from backend.cli import main
+from backend.methods import METHODS
+from backend.objects import OBJECTS
+from backend.robots import ROBOTS
+from backend.scenario import scenario_names
+
+QUICK = ["--set", "timing.timeout_s=0.5"]
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    return captured.err
+
+
+def test_json_is_one_object_on_stdout_and_nothing_else():
+    command = [sys.executable, "-m", "backend", "trial", "ur5_linear", "--seed", "1", "--json", *QUICK]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    row = json.loads(answer.stdout)
+    assert row["seed"] == 1 and row["reason"] == "timeout" and row["strict"] is False
+    assert answer.returncode == 1
+
+
+def test_a_trial_is_described_for_people(capsys: pytest.CaptureFixture[str]):
+    assert main(["trial", "mico_linear", *QUICK]) == 1
+    text = capsys.readouterr().out
+    assert "failed: timeout" in text and "fingerprint" in text
+
+
+def test_a_value_is_changed_by_its_path(capsys: pytest.CaptureFixture[str]):
+    main(["trial", "ur5_linear", "--json", *QUICK])
+    slow = json.loads(capsys.readouterr().out)
+    main(["trial", "ur5_linear", "--json", *QUICK, "--set", "task.speed_mps=0.08"])
+    assert json.loads(capsys.readouterr().out)["fingerprint"] != slow["fingerprint"]
+
+
+def test_a_traced_trial_is_replayed_bit_for_bit(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    trace = str(tmp_path / "trial.npz")
+    main(["trial", "ur5_linear_obstacles", "--seed", "2", "--trace", trace, *QUICK])
+    capsys.readouterr()
+    assert main(["replay", trace, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["same"] is True
+
+
+def test_info_lists_everything(capsys: pytest.CaptureFixture[str]):
+    assert main(["info", "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    assert table["robots"] == list(ROBOTS) and table["objects"] == list(OBJECTS)
+    assert table["methods"] == list(METHODS) and table["scenarios"] == list(scenario_names())
+    assert len(table["tasks"]) == 7 and "pybullet" in table["versions"]
+    assert main(["info"]) == 0
+    assert "tomato_soup_can" in capsys.readouterr().out
+
+
+def test_a_survey_counts_every_trial(capsys: pytest.CaptureFixture[str], tmp_path: Path):
+    rows = tmp_path / "rows.jsonl"
+    code = main(
+        ["survey", "--scenarios", "ur5_linear", "--objects", "cube", "--seeds", "2", "--workers", "1"]
+        + ["--json", "--out", str(rows), *QUICK]
+    )
+    assert code == 0
+    tables = json.loads(capsys.readouterr().out)
+    assert tables["by robot"][0]["n"] == 2 and tables["by robot"][0]["reasons"] == {"timeout": 2}
+    assert [json.loads(line)["seed"] for line in rows.read_text().splitlines()] == [0, 1]
+
+
+def test_an_unknown_scenario_lists_what_exists(capsys: pytest.CaptureFixture[str]):
+    text = refused(capsys, "trial", "ur5_liner")
+    assert "no scenario named 'ur5_liner'" in text and "mico_linear" in text and "'ur5_linear'" in text
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        ("object=teapot", ["teapot", "tomato_soup_can"]),
+        ("robot=ur6", ["ur6", "ur5_robotiq"]),
+        ("method=best", ["best", "baseline"]),
+        ("task.sped=0.1", ["sped", "speed_mps"]),
+        ("task.speed_mps=nan", ["task.linear.speed_mps", "nan"]),
+        ("task.speed_mps=inf", ["task.linear.speed_mps", "inf"]),
+        ("task.speed_mps=-1", ["task.linear.speed_mps", "greater than 0"]),
+        ("timing.budget_s=fast", ["timing.budget_s", "fast"]),
+        ("nonsense", ["nonsense", "="]),
+    ],
+)
+def test_bad_values_are_refused_by_name(capsys: pytest.CaptureFixture[str], override: str, words: list[str]):
+    text = refused(capsys, "trial", "ur5_linear", "--set", override)
+    for word in words:
+        assert word in text, text
+
+
+def test_bad_counts_are_refused(capsys: pytest.CaptureFixture[str]):
+    assert "--seeds must be at least 1" in refused(capsys, "survey", "--seeds", "0")
+    assert "--trials must be at least 1" in refused(capsys, "bench", "--trials", "0")
+    assert "--workers must be at least 1" in refused(capsys, "survey", "--workers", "0")
+    assert "--seed must not be negative" in refused(capsys, "trial", "ur5_linear", "--seed", "-1")
+
+
+def test_ctrl_c_ends_cleanly_and_leaves_no_file(tmp_path: Path):
+    trace = tmp_path / "trial.npz"
+    command = [sys.executable, "-m", "backend", "trial", "mico_sinusoidal", "--trace", str(trace)]
+    code = "import signal, runpy, sys; signal.signal(signal.SIGINT, signal.default_int_handler); " + (
+        f"sys.argv = {['backend', *command[3:]]!r}; runpy.run_module('backend', run_name='__main__')"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
+    time.sleep(3.0)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, errors
+    assert "interrupted" in errors and "Traceback" not in errors
+    assert list(tmp_path.iterdir()) == []
