@@ -38,6 +38,23 @@ def creased(mesh: trimesh.Trimesh) -> Geometry:
     return Geometry(np.asarray(shaded.vertices), np.asarray(shaded.faces))
 
 
+def thinned(mesh: trimesh.Trimesh, cell_m: float) -> trimesh.Trimesh:
+    """The mesh with all vertices of a cubic cell merged into their mean, and what then is no triangle dropped.
+
+    Vertex clustering of Rossignac and Borrel (1993): no vertex moves more than the cell's diagonal.
+    """
+    cells = np.round(mesh.vertices / cell_m).astype(np.int64)
+    _, index, counts = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    index = index.reshape(-1)
+    vertices = np.zeros((len(counts), 3))
+    np.add.at(vertices, index, mesh.vertices)
+    faces = index[mesh.faces]
+    a, b, c = faces.T
+    faces = faces[(a != b) & (b != c) & (c != a)]
+    _, first = np.unique(np.sort(faces, axis=1), axis=0, return_index=True)
+    return trimesh.Trimesh(vertices / counts[:, None], faces[np.sort(first)], process=False)
+
+
 def box(size_m: tuple[float, float, float], center_m: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Geometry:
     """A box with faces of its own, so that it is shaded flat."""
     mesh = trimesh.creation.box(extents=size_m)

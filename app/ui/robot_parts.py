@@ -10,10 +10,13 @@ from typing import Any, cast
 
 import trimesh
 
-from app.ui.geometry import Geometry, creased
+from app.ui.geometry import Geometry, creased, thinned
 from app.ui.palette import Rgb
 from backend.kinematics.urdf import LinkTree
 from backend.robots.models import load_model
+
+CELL_M = 0.002
+"""Detail finer than this costs a browser without a graphics card more than it shows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +52,9 @@ def _parts_of(link: ET.Element, folder: Path) -> list[LinkPart]:
         if mesh is None or color is None:
             continue
         loaded = cast(trimesh.Trimesh, cast(Any, trimesh).load_mesh(folder / str(mesh.get("filename"))))
-        parts.append(LinkPart(str(link.get("name")), creased(loaded), _screen_color(str(color.get("rgba")))))
+        parts.append(
+            LinkPart(str(link.get("name")), creased(thinned(loaded, CELL_M)), _screen_color(str(color.get("rgba"))))
+        )
     return parts
 
 

@@ -23,7 +23,6 @@ from tests.app.browser import (
 from tests.app.served import Served, serve
 
 pytestmark = [pytest.mark.timeout(90), pytest.mark.xdist_group("browser")]
-FIRST_FRAME_S = 8.0
 
 
 @pytest.fixture(scope="module")
@@ -64,15 +63,6 @@ def y_of_object(page: Page) -> float:
     position = node_position(page, "/object/body")
     assert position is not None
     return position[1]
-
-
-def test_the_first_frame_is_there_in_time(served: Served, browser: Browser) -> None:
-    with open_page(browser, "about:blank") as blank:
-        start = time.monotonic()
-        blank.goto(served.address)
-        wait_for_node(blank, "/object/body", FIRST_FRAME_S)
-        wait_for_node(blank, "/robot/wrist_3_link", FIRST_FRAME_S)
-        assert time.monotonic() - start < FIRST_FRAME_S
 
 
 def test_play_moves_the_scene_and_pause_holds_it(served: Served, page: Page) -> None:

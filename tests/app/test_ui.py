@@ -10,6 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+import trimesh
 import viser
 
 from app.commands import Restart
@@ -18,7 +19,7 @@ from app.session import SessionState
 from app.ui import words
 from app.ui.camera import viewpoint
 from app.ui.dashboard import start_viser
-from app.ui.geometry import chevrons, ribbon, segments
+from app.ui.geometry import chevrons, ribbon, segments, thinned
 from app.ui.layers import LAYERS, Layer, Picture
 from app.ui.panels.playback import LABELS, speed_label
 from app.ui.progress import WAIT_S, AutoNext, Tally
@@ -148,6 +149,14 @@ def test_arrows_point_along_the_belt_and_the_band_is_as_wide_as_the_tray() -> No
     band = ribbon(path, 0.12, 0.02)
     assert np.ptp(band.vertices[:, 1]) == pytest.approx(0.12)
     assert (band.vertices[:, 2] == 0.0).all()
+
+
+def test_thinning_moves_no_vertex_far_and_leaves_only_triangles() -> None:
+    ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
+    thin = thinned(ball, 0.01)
+    assert len(thin.faces) < 0.2 * len(ball.faces)
+    assert np.linalg.norm(thin.vertices, axis=1).min() > 0.1 - 0.01 * np.sqrt(3.0)
+    assert (thin.area_faces > 0.0).all()
 
 
 def test_segments_join_their_points() -> None:
