@@ -84,15 +84,14 @@ class Episode:
 
     def run(self) -> Iterator[Snapshot]:
         """Yield a snapshot of the start and after every tick; the last one has an outcome."""
-        snapshot = self._snapshot(None)
+        snapshot = self._snapshot()
         yield snapshot
         while snapshot.outcome is None:
             try:
                 snapshot = self._tick_once()
             except SimulationError as error:
                 outcome = Outcome(strict=False, authors=False, reason="error", detail=str(error))
-                self._end(outcome)
-                snapshot = replace(snapshot, outcome=outcome)
+                snapshot = self._last(snapshot, outcome)
             yield snapshot
 
     def _tick_once(self) -> Snapshot:
@@ -102,14 +101,13 @@ class Episode:
                 self.recorder.event(timed)
         outcome = self._advance()
         self._tick += 1
-        snapshot = self._snapshot(outcome)
+        snapshot = self._snapshot()
         self.recorder.tick(snapshot.t_s, snapshot.q, snapshot.T_world_object)
-        if outcome is not None:
-            self._end(outcome)
-        return snapshot
+        return snapshot if outcome is None else self._last(snapshot, outcome)
 
-    def _end(self, outcome: Outcome) -> None:
+    def _last(self, snapshot: Snapshot, outcome: Outcome) -> Snapshot:
         self.recorder.end(outcome, self.world.t_s, self._pilot.approach_start_s)
+        return replace(snapshot, outcome=outcome, fingerprint=self.recorder.fingerprint())
 
     def _advance(self) -> Outcome | None:
         """One tick of physics steps, cut short by the end of the trial."""
@@ -181,7 +179,7 @@ class Episode:
             seed=self.seed,
         )
 
-    def _snapshot(self, outcome: Outcome | None) -> Snapshot:
+    def _snapshot(self) -> Snapshot:
         world = self.world
         q = world.q()
         obstacles = [pose.matrix for pose in world.obstacle_poses()]
@@ -198,7 +196,7 @@ class Episode:
             belt_rate=world.conveyor.rate,
             cycle=self._pilot.result,
             cycles=self._pilot.cycles,
-            outcome=outcome,
+            outcome=None,
         )
 
 

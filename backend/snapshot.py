@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from backend.pose import Array, Pose
 from backend.pipeline.values import CycleResult, Outcome, Phase
+from backend.pose import Array, Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,3 +55,5 @@ class Snapshot:
     cycles: int
     outcome: Outcome | None
     """Set on the last snapshot of an episode."""
+    fingerprint: str | None = None
+    """Hash of the whole trial, set on the last snapshot: equal for equal trials, live or headless."""
