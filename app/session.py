@@ -14,7 +14,7 @@ from typing import Any, Literal
 from app.commands import Command, Restart, SetPaused
 from app.engine import Engine, TrialInfo
 from app.reports import Crashed, Pace, Progress, Refused, Report, Started, Traces
-from app.worker import run_worker
+from app.worker import run_process
 from backend.errors import GraspingError
 from backend.snapshot import Snapshot
 
@@ -83,7 +83,7 @@ class Session:
         self._link, far_end = context.Pipe()
         arguments = (far_end, self.engine, self._state.restart, self._state.pace)
         self._ending = False
-        self._process = context.Process(target=run_worker, args=arguments, name="simulation", daemon=True)
+        self._process = context.Process(target=run_process, args=arguments, name="simulation", daemon=True)
         self._process.start()
         far_end.close()
         watched = (self._link, self._process)

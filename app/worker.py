@@ -26,9 +26,14 @@ LARGEST_DEBT_S = 0.25
 """A simulation later than this forgets the lost time instead of racing after it."""
 
 
+def run_process(link: Connection, engine: Engine, first: Restart, pace: Pace) -> None:
+    """Entry point of the spawned process: Ctrl-C reaches the whole group, but the server decides."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    run_worker(link, engine, first, pace)
+
+
 def run_worker(link: Connection, engine: Engine, first: Restart, pace: Pace) -> None:
-    """Serve until the other end of ``link`` says None or closes; entry point of the spawned process."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the server decides
+    """Serve until the other end of ``link`` says None or closes; a crash is reported, then the exit code is 1."""
     try:
         Worker(link, engine, pace).serve(first)
     except (EOFError, BrokenPipeError, ConnectionResetError):

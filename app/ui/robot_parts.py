@@ -15,7 +15,7 @@ from app.ui.palette import Rgb
 from backend.kinematics.urdf import LinkTree
 from backend.robots.models import load_model
 
-CELL_M = 0.002
+CELL_M = 0.001
 """Detail finer than this costs a browser without a graphics card more than it shows."""
 
 
