@@ -56,9 +56,7 @@ class Episode:
         limits = JointLimits(np.array(profile.velocity_rps), np.array(profile.acceleration_rps2))
         think = ThinkTime(scenario.timing)
         grasps = load_grasps(scenario.robot, scenario.object)
-        cycle = Cycle(
-            scenario.method, model.description, limits, kinematics, self._belief, grasps, think, cycle_rng
-        )
+        cycle = Cycle(scenario.method, model.description, limits, kinematics, self._belief, grasps, think, cycle_rng)
         executor = Executor(kinematics, limits.velocity_rps, scenario.method.execution, home)
         predictor = make_predictor(scenario.method.predictor, self._true_object_pose)
         self._pilot = Pilot(cycle, predictor, executor, think)
@@ -132,7 +130,7 @@ class Episode:
         executor.advance(self.world.t_s, self.world.gripper, self.world.finger_rad())
         if executor.phase == "close" and before == "approach":
             self._judge.note_grasp(self.world)
-        if executor.phase in ("lift", "hold"):
+        if executor.phase in ("lift", "hold") and self.world.steps % STEPS_PER_TICK == 0:
             self._judge.note_height(self.world)
         if executor.phase == "hold" and before == "lift":
             self.recorder.lifted(self.world.t_s)
@@ -151,9 +149,7 @@ class Episode:
             return judge.verdict(world, "object_fell", "The object fell off the belt before it was grasped.")
         if phase != "approach" and world.conveyor.at_end:
             refusal = self._pilot.approach_refusal or _last_words(self._pilot)
-            return judge.verdict(
-                world, self._pilot.furthest_failure(), f"The belt came to its end; {refusal}."
-            )
+            return judge.verdict(world, self._pilot.furthest_failure(), f"The belt came to its end; {refusal}.")
         return None
 
     def _act(self, event: WorldEvent) -> None:

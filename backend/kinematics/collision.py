@@ -112,9 +112,7 @@ def past(skips: Integers, node: int) -> int:
 
 
 @kernel
-def touches_body(
-    robot: RobotArrays, row: Array, group: int, body: int, bodies: BodyArrays, margin: float
-) -> bool:
+def touches_body(robot: RobotArrays, row: Array, group: int, body: int, bodies: BodyArrays, margin: float) -> bool:
     """Whether a sphere of the group, carried by the frame ``row``, is nearer to a body than ``margin``."""
     _, nodes, skips, trees, _ = robot
     node = int(trees[group, 1])
@@ -154,9 +152,7 @@ def groups_apart(robot: RobotArrays, frames: Array, a: int, b: int, enough: floa
     between = np.empty(12)
     for i in range(3):
         for j in range(3):
-            between[3 * i + j] = (
-                row_b[i] * row_a[j] + row_b[3 + i] * row_a[3 + j] + row_b[6 + i] * row_a[6 + j]
-            )
+            between[3 * i + j] = row_b[i] * row_a[j] + row_b[3 + i] * row_a[3 + j] + row_b[6 + i] * row_a[6 + j]
     between[9], between[10], between[11] = point_seen_from(row_b, row_a[9], row_a[10], row_a[11])
     root = int(trees[b, 1])
     m = int(trees[a, 1])
@@ -180,9 +176,7 @@ def groups_apart(robot: RobotArrays, frames: Array, a: int, b: int, enough: floa
 
 
 @kernel
-def contact(
-    robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, q: Array
-) -> tuple[int, int, int]:
+def contact(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, q: Array) -> tuple[int, int, int]:
     """What touches first: (FREE, -1, -1), (FLOOR, group, -1), (BODY, group, body) or (SELF, pair, -1)."""
     links, _, _, trees, pairs = robot
     frames = np.empty((links.shape[0] + 1, 12))
@@ -211,9 +205,7 @@ def free(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int,
 
 
 @kernel
-def free_each(
-    robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, qs: Array
-) -> NDArray[np.bool_]:
+def free_each(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, qs: Array) -> NDArray[np.bool_]:
     """(n,) whether nothing touches, for every row of ``qs`` (n, dof)."""
     out = np.empty(qs.shape[0], dtype=np.bool_)
     for i in range(qs.shape[0]):

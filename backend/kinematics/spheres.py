@@ -123,7 +123,6 @@ def _self_pairs(description: RobotDescription, names: tuple[str, ...], bodies: l
         (i, j)
         for i in range(len(names))
         for j in range(i)
-        if abs(bodies[i] - bodies[j]) > 1
-        and frozenset({names[i], names[j]}) not in description.allowed_self_contacts
+        if abs(bodies[i] - bodies[j]) > 1 and frozenset({names[i], names[j]}) not in description.allowed_self_contacts
     ]
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)

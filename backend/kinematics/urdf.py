@@ -132,9 +132,7 @@ def _joint(element: ElementTree.Element) -> Joint:
         kind=kind,
         parent=_link_of(element, "parent"),
         child=_link_of(element, "child"),
-        T_parent_joint=Pose.from_xyz_rpy(
-            _floats(origin, "xyz", "0 0 0"), _floats(origin, "rpy", "0 0 0")
-        ).matrix,
+        T_parent_joint=Pose.from_xyz_rpy(_floats(origin, "xyz", "0 0 0"), _floats(origin, "rpy", "0 0 0")).matrix,
         axis=axis / norm if norm > 0.0 else axis,
         lower=float(bounds.get("lower", -math.inf)),
         upper=float(bounds.get("upper", math.inf)),

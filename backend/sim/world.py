@@ -18,7 +18,10 @@ from backend.tasks.setup import TrialSetup
 TRAY_MASS_KG = 1000.0
 """So heavy that its load does not move it."""
 SETTLE_S = 2.0
+LEAST_SETTLING = 48
+LOOK_EVERY = 12
 REST_SPEED_MPS = 1e-4
+"""Settling ends when nothing is faster, metres or radians per second, at one of every 12 steps after the 48th."""
 NO_SPIN = np.zeros(3)
 
 
@@ -39,9 +42,7 @@ class World:
         self._tray_center = Pose.of((0.0, 0.0, -setup.tray_size_m[2] / 2))
         T_world_tray = self.conveyor.pose
         self._tray_wxyz = T_world_tray.wxyz
-        self._tray = self._bullet.add_box(
-            setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG
-        )
+        self._tray = self._bullet.add_box(setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG)
         self._bullet.ignore_contacts(self._tray, "", self._robot.body, "")
         self._bullet.ignore_contacts(self._tray, "", self._floor, "")
         T_tray_object = Pose.from_xyz_yaw((0.0, 0.0, 0.0), setup.object_yaw_rad)
@@ -142,9 +143,7 @@ class World:
             if contact.distance_m > 0.0:
                 continue
             other, link = (
-                (contact.body_b, contact.link_b)
-                if contact.body_a == self._target
-                else (contact.body_a, contact.link_a)
+                (contact.body_b, contact.link_b) if contact.body_a == self._target else (contact.body_a, contact.link_a)
             )
             if other == self._robot.body:
                 links.add(link)
@@ -160,15 +159,14 @@ class World:
         """Let everything come to rest on the standing belt, then set the belt and its load in motion."""
         T_world_tray = self.conveyor.pose
         still = np.zeros_like(home)
-        quiet = 0
-        for _ in range(int(SETTLE_S / STEP_S)):
+        bodies = [self._target, *self._obstacles]
+        for k in range(int(SETTLE_S / STEP_S)):
             self._carry(T_world_tray.xyz_m, NO_SPIN)
             self._robot.command(home, still)
             self._robot.command_gripper(self.gripper.update(STEP_S))
             self._bullet.step()
-            bodies = [self._target, *self._obstacles]
-            speed = max(float(np.abs(np.concatenate(self._bullet.velocity(b))).max()) for b in bodies)
-            quiet = quiet + 1 if speed < REST_SPEED_MPS else 0
-            if quiet >= 24:
-                break
+            if k % LOOK_EVERY == 0 and k > LEAST_SETTLING:
+                speeds = [np.abs(np.concatenate(self._bullet.velocity(body))).max() for body in bodies]
+                if max(speeds) < REST_SPEED_MPS:
+                    break
         self._bullet.set_velocity(self._target, self.conveyor.velocity_mps(), NO_SPIN)

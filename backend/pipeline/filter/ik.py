@@ -10,6 +10,8 @@ from backend.pose import Array
 
 DISTANCE_WEIGHT_PER_RAD = 0.02
 """How much measured lift success a radian on the way to the pregrasp outweighs."""
+RESTARTS = 6
+"""Postures that IK of each pregrasp starts from when it does not get there from the arm's own."""
 OTHER_BRANCHES = 6
 """IK branches tried for a grasp whose first solution is blocked."""
 
@@ -21,7 +23,7 @@ def shortlist_by_ik(config: IkFilter, candidates: Candidates, context: RankConte
     there are enough.
     """
     n = len(candidates.quality)
-    qs_pregrasp, found = context.kinematics.ik_many(candidates.Ts_world_pregrasp, context.q)
+    qs_pregrasp, found = context.kinematics.ik_many(candidates.Ts_world_pregrasp, context.q, RESTARTS)
     rejected = {int(i): "pregrasp out of reach" for i in np.flatnonzero(~found)}
     goals: dict[int, JointGoal] = {}
     solved = np.flatnonzero(found)
