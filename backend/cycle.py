@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -122,9 +122,7 @@ class Cycle:
                 result = replace(result, refused_by="plan", why=plan.why)
                 continue
             with watch("retime"):
-                trajectory = retime(
-                    plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many
-                )
+                trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
             if isinstance(trajectory, Refusal):
                 result = replace(result, plan=plan, refused_by="retime", why=trajectory.why)
                 continue
@@ -171,7 +169,7 @@ class _Stopwatch:
         self.room_s: dict[Room, float] = {}
 
     @contextmanager
-    def __call__(self, room: Room) -> Iterator[None]:
+    def __call__(self, room: Room) -> Generator[None]:
         begun_s = time.perf_counter()
         yield
         self.room_s[room] = self.room_s.get(room, 0.0) + time.perf_counter() - begun_s

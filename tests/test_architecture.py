@@ -63,7 +63,9 @@ def test_only_the_loop_the_senses_and_the_judge_see_the_world():
 
 def room_of(module: str) -> int | None:
     parts = module.split(".")
-    return ROOMS.index(parts[2]) if parts[:2] == ["backend", "pipeline"] and len(parts) > 2 and parts[2] in ROOMS else None
+    return (
+        ROOMS.index(parts[2]) if parts[:2] == ["backend", "pipeline"] and len(parts) > 2 and parts[2] in ROOMS else None
+    )
 
 
 def test_a_room_never_imports_a_later_one():
@@ -91,7 +93,9 @@ def test_importing_the_command_line_is_light():
 
 
 def test_there_are_no_circles_of_imports():
-    modules = {".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): p for p in sources("backend")}
+    modules = {
+        ".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): p for p in sources("backend")
+    }
     graph = {name: top_level_imports(path) & set(modules) - {name} for name, path in modules.items()}
     done: set[str] = set()
 
@@ -104,6 +108,10 @@ def test_there_are_no_circles_of_imports():
 
     for name in sorted(graph):
         visit(name, ())
+
+
+def module_name(path: Path) -> str:
+    return ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__")
 
 
 def top_level_imports(path: Path) -> set[str]:

@@ -117,9 +117,7 @@ def test_a_trace_that_cannot_be_written_says_so(tmp_path: Path):
 
 
 def test_a_belt_out_of_reach_ends_with_its_reason():
-    far = scenario(
-        "mico_linear", "task.distance_min_m=1.9", "task.distance_max_m=2.0", "task.speed_mps=0.2"
-    )
+    far = scenario("mico_linear", "task.distance_min_m=1.9", "task.distance_max_m=2.0", "task.speed_mps=0.2")
     record = run_trial(far, seed=0)
     assert not record.strict and record.reason == "never_reachable"
     assert "belt came to its end" in record.detail

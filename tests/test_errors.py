@@ -30,10 +30,7 @@ def test_an_unknown_name_is_answered_with_all_names_and_the_nearest():
 
 
 def test_nothing_near_gives_no_hint():
-    assert (
-        not_found_text("robot", "zzz", TABLE)
-        == "There is no robot named 'zzz'. Available: mico, ur5_robotiq."
-    )
+    assert not_found_text("robot", "zzz", TABLE) == "There is no robot named 'zzz'. Available: mico, ur5_robotiq."
 
 
 def test_an_empty_table_says_so():

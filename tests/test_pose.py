@@ -26,9 +26,7 @@ angles = st.floats(-math.pi, math.pi)
 triples = st.tuples(metres, metres, metres)
 rpys = st.tuples(angles, angles, angles)
 poses = st.builds(Pose.from_xyz_rpy, triples, rpys)
-quaternions = (
-    st.tuples(*[st.floats(-1.0, 1.0)] * 4).map(np.array).filter(lambda q: float(np.linalg.norm(q)) > 1e-3)
-)
+quaternions = st.tuples(*[st.floats(-1.0, 1.0)] * 4).map(np.array).filter(lambda q: float(np.linalg.norm(q)) > 1e-3)
 seeds = st.integers(0, 2**32 - 1)
 
 
@@ -46,9 +44,7 @@ def test_products_associate(a: Pose, b: Pose, c: Pose):
 @given(poses, poses, triples)
 def test_a_product_moves_points_as_its_factors_in_turn(a: Pose, b: Pose, point: tuple[float, float, float]):
     points = np.array([point])
-    assert_allclose(
-        (a @ b).transform_points(points), a.transform_points(b.transform_points(points)), atol=1e-9
-    )
+    assert_allclose((a @ b).transform_points(points), a.transform_points(b.transform_points(points)), atol=1e-9)
 
 
 @given(poses)

@@ -124,13 +124,8 @@ def test_changed_methods_events_and_odd_titles_survive_toml(
     st.dictionaries(
         st.text(min_size=1).filter(lambda key: key.isprintable()),
         st.recursive(
-            st.text()
-            | st.booleans()
-            | st.integers(-(2**60), 2**60)
-            | st.floats(allow_nan=False, allow_infinity=False),
-            lambda inner: (
-                st.lists(inner, max_size=3) | st.dictionaries(st.text("abc.-_ ", min_size=1), inner)
-            ),
+            st.text() | st.booleans() | st.integers(-(2**60), 2**60) | st.floats(allow_nan=False, allow_infinity=False),
+            lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text("abc.-_ ", min_size=1), inner),
             max_leaves=8,
         ),
         max_size=4,
@@ -153,9 +148,7 @@ def test_only_what_differs_from_the_named_method_is_written(linear: Scenario):
 
 def test_a_method_table_changes_only_what_it_names(tmp_path: Path):
     file = tmp_path / "x.toml"
-    method = (
-        '[method]\nname = "baseline"\nexecution = { lift_m = 0.2 }\n[method.predictor]\nkind = "oracle"\n'
-    )
+    method = '[method]\nname = "baseline"\nexecution = { lift_m = 0.2 }\n[method.predictor]\nkind = "oracle"\n'
     file.write_text(GOOD.replace('method = "ik"\n', "") + method, encoding="utf-8")
     chosen, named = load_scenario(file).method, METHODS["baseline"]
     assert chosen.execution.lift_m == 0.2
@@ -197,14 +190,12 @@ def test_a_method_table_changes_only_what_it_names(tmp_path: Path):
         (
             '"ur5_robotiq"',
             '"ur5_robotic"',
-            "robot: There is no robot named 'ur5_robotic'. Available: mico, ur5_robotiq. "
-            "Did you mean 'ur5_robotiq'?",
+            "robot: There is no robot named 'ur5_robotic'. Available: mico, ur5_robotiq. Did you mean 'ur5_robotiq'?",
         ),
         (
             '"cube"',
             '"cub"',
-            f"object: There is no object named 'cub'. Available: {', '.join(sorted(OBJECTS))}. "
-            "Did you mean 'cube'?",
+            f"object: There is no object named 'cub'. Available: {', '.join(sorted(OBJECTS))}. Did you mean 'cube'?",
         ),
         (
             'method = "ik"',
@@ -271,13 +262,9 @@ def test_files_of_the_project_are_called_from_its_folder_on():
 
 
 def test_an_unknown_scenario_is_answered_with_what_exists():
-    with pytest.raises(
-        NotFoundError, match=r"no scenario named 'ur5_liner'.*mico_circular.* mean 'ur5_linear'\?"
-    ):
+    with pytest.raises(NotFoundError, match=r"no scenario named 'ur5_liner'.*mico_circular.* mean 'ur5_linear'\?"):
         load_scenario("ur5_liner")
-    with pytest.raises(
-        NotFoundError, match=r"no scenario file nowhere/x\.toml\. Available by name: mico_circular"
-    ):
+    with pytest.raises(NotFoundError, match=r"no scenario file nowhere/x\.toml\. Available by name: mico_circular"):
         load_scenario("nowhere/x.toml")
 
 
@@ -287,14 +274,10 @@ def test_a_path_loads_as_its_name_does(linear: Scenario):
 
 
 def test_overrides_change_what_they_name_and_nothing_else(linear: Scenario):
-    changed = with_overrides(
-        linear, ["task.speed_mps=0.08", "object=cube", " seed = 7 ", "timing.think=paper"]
-    )
+    changed = with_overrides(linear, ["task.speed_mps=0.08", "object=cube", " seed = 7 ", "timing.think=paper"])
     assert (changed.task.speed_mps, changed.object, changed.seed) == (0.08, "cube", 7)  # pyright: ignore
     assert changed.timing.think == "paper"
-    back = with_overrides(
-        changed, ["task.speed_mps=0.05", "object=tomato_soup_can", "seed=0", "timing.think=budget"]
-    )
+    back = with_overrides(changed, ["task.speed_mps=0.05", "object=tomato_soup_can", "seed=0", "timing.think=budget"])
     assert back == linear
 
 

@@ -20,7 +20,5 @@ def run(options: argparse.Namespace) -> int:
         print(f"The same trial, bit for bit: fingerprint {record.fingerprint}.")
     else:
         made_by = f"{trace.record['version']}, now {record.version}"
-        print(
-            f"A different trial: {recorded} was recorded, {record.fingerprint} came out (version {made_by})."
-        )
+        print(f"A different trial: {recorded} was recorded, {record.fingerprint} came out (version {made_by}).")
     return 0 if same else 1

@@ -46,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _jobs(options: argparse.Namespace) -> list[Job]:
-    names: list[str] = options.scenarios or scenario_names()
+    names: list[str] = options.scenarios or list(scenario_names())
     objects: list[str] = options.objects or list(OBJECTS)
     jobs: list[Job] = []
     for name in names:

@@ -34,9 +34,7 @@ def describe(record: TrialRecord) -> str:
         f"  {record.detail}",
     ]
     if record.approach_start_s is not None:
-        lines.append(
-            f"  approach began at {record.approach_start_s:.2f} s; the trial took {record.end_s:.2f} s"
-        )
+        lines.append(f"  approach began at {record.approach_start_s:.2f} s; the trial took {record.end_s:.2f} s")
     if record.cycle_mean_ms is not None:
         lines.append(
             f"  {record.cycles} cycles, {record.cycle_mean_ms:.1f} ms each on average, "

@@ -15,9 +15,7 @@ CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if np.abs(CORNERS[a] - CORNERS[b]).sum() == 1)
 
 
-def surface_of(
-    field: Callable[[Array, Array], Array], low_m: Array, high_m: Array, cell_m: float
-) -> trimesh.Trimesh:
+def surface_of(field: Callable[[Array, Array], Array], low_m: Array, high_m: Array, cell_m: float) -> trimesh.Trimesh:
     """Watertight mesh of ``field(plane (n, 2), heights (m,)) -> (n, m) < 0``, one vertex per crossed cell.
 
     ``low_m`` and ``high_m`` are (3,) corners of a box that holds the shape; the grid is centred in it, and

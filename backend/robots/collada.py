@@ -44,9 +44,7 @@ def _collect(
     T_scene_node = T_scene_parent @ _node_transform(node)
     for instance in node.findall(f"{N}instance_geometry"):
         geometry = geometries[str(instance.get("url"))[1:]]
-        bound = {
-            str(m.get("symbol")): str(m.get("target"))[1:] for m in instance.iter(f"{N}instance_material")
-        }
+        bound = {str(m.get("symbol")): str(m.get("target"))[1:] for m in instance.iter(f"{N}instance_material")}
         for mesh, symbol in _geometry_meshes(geometry):
             mesh.apply_transform(T_scene_node)
             parts.append((mesh, colors.get(bound.get(symbol, symbol))))
@@ -106,9 +104,7 @@ def _faces(primitive: ET.Element) -> tuple[str, NDArray[np.int64]]:
         faces = corners.reshape(-1, 3)
     else:
         starts = np.cumsum([0, *map(int, (counts.text or "").split())])
-        fans = [
-            (corners[a], corners[i], corners[i + 1]) for a, b in pairwise(starts) for i in range(a + 1, b - 1)
-        ]
+        fans = [(corners[a], corners[i], corners[i + 1]) for a, b in pairwise(starts) for i in range(a + 1, b - 1)]
         faces = np.array(fans, dtype=np.int64).reshape(-1, 3)
     return str(vertex.get("source"))[1:], faces
 

@@ -39,9 +39,7 @@ def make_model(description: RobotDescription, source: RobotSource, root: Path, f
     visual, collision = robot, copy.deepcopy(robot)
     spheres: dict[str, Array] = {}
     (folder / "meshes").mkdir(parents=True)
-    for index, (seen, solid) in enumerate(
-        zip(visual.findall("link"), collision.findall("link"), strict=True)
-    ):
+    for index, (seen, solid) in enumerate(zip(visual.findall("link"), collision.findall("link"), strict=True)):
         name = str(seen.get("name"))
         parts = list(link_meshes(seen, source.default_rgba))
         repair_inertial(seen)
@@ -53,9 +51,7 @@ def make_model(description: RobotDescription, source: RobotSource, root: Path, f
             continue
         points = np.concatenate([surface_points(mesh, SPACING_M, seed=0) for mesh, _ in parts])
         rng = np.random.default_rng(index)
-        pieces = convex_pieces(
-            rng.choice(points, min(len(points), 3000), replace=False), MOST_PIECES, LEAST_GAIN
-        )
+        pieces = convex_pieces(rng.choice(points, min(len(points), 3000), replace=False), MOST_PIECES, LEAST_GAIN)
         excess_m = HAND_EXCESS_M if name in description.gripper.hand_links else ARM_EXCESS_M
         spheres[name] = cover(points, pieces, excess_m, rng)
         _write_visual(seen, name, parts, folder)
@@ -88,9 +84,7 @@ def hand_alone(robot: ET.Element, description: RobotDescription) -> tuple[ET.Ele
     joints = {_end(joint, "child"): joint for joint in robot.findall("joint")}
     roots = [name for name in names if _end(joints[name], "parent") not in names]
     if len(roots) != 1:
-        raise ValueError(
-            f"{description.name}: the hand links have {len(roots)} roots, not one: {sorted(roots)}"
-        )
+        raise ValueError(f"{description.name}: the hand links have {len(roots)} roots, not one: {sorted(roots)}")
     hand = ET.Element("robot", name=f"{description.name}_hand")
     hand.extend(copy.deepcopy(link) for link in robot.findall("link") if link.get("name") in names)
     hand.extend(copy.deepcopy(joint) for name, joint in joints.items() if name in names - set(roots))

@@ -49,14 +49,12 @@ MICO = RobotDescription(
         "paper": SpeedProfile(
             velocity_rps=(0.35,) * 6,
             acceleration_rps2=(3.5,) * 6,
-            source="speed: released evaluation of the paper; "
-            "acceleration: full speed within 0.1 s, our choice",
+            source="speed: released evaluation of the paper; acceleration: full speed within 0.1 s, our choice",
         ),
         "datasheet": SpeedProfile(
             velocity_rps=(0.628,) * 3 + (0.838,) * 3,
             acceleration_rps2=(3.14,) * 3 + (4.19,) * 3,
-            source="speed: kinova_description (36 and 48 deg/s); "
-            "acceleration: full speed within 0.2 s, our choice",
+            source="speed: kinova_description (36 and 48 deg/s); acceleration: full speed within 0.2 s, our choice",
         ),
     },
     allowed_self_contacts=frozenset(),

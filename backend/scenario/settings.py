@@ -21,9 +21,7 @@ def of_kind(models: Sequence[Model], kind: object) -> Model | None:
     """The only model, or that of several whose ``kind`` it is."""
     if len(models) == 1:
         return models[0]
-    return next(
-        (m for m in models if "kind" in m.model_fields and m.model_fields["kind"].default == kind), None
-    )
+    return next((m for m in models if "kind" in m.model_fields and m.model_fields["kind"].default == kind), None)
 
 
 def model_at(model: Model, location: Sequence[str | int]) -> Model | None:

@@ -105,9 +105,7 @@ class Bullet:
         T_object_inertial = np.eye(4)
         T_object_inertial[:3, :3], T_object_inertial[:3, 3] = axes, description.center_of_mass_m
         body = self._add_body(0.0 if fixed else description.mass_kg, shape, Pose(T_object_inertial), moments)
-        self._register(
-            body, Pose(T_object_inertial), description.lateral_friction, description.spinning_friction
-        )
+        self._register(body, Pose(T_object_inertial), description.lateral_friction, description.spinning_friction)
         self.set_pose(body, T_world_object)
         return body
 
@@ -115,9 +113,7 @@ class Bullet:
         self, size_m: Sequence[float], T_world_box: Pose, *, mass_kg: float = 0.0, friction: float = 1.0
     ) -> int:
         """A box of uniform density, fixed when it has no mass."""
-        shape = _p.createCollisionShape(
-            _p.GEOM_BOX, halfExtents=[s / 2 for s in size_m], physicsClientId=self.id
-        )
+        shape = _p.createCollisionShape(_p.GEOM_BOX, halfExtents=[s / 2 for s in size_m], physicsClientId=self.id)
         moments = mass_kg / 12.0 * (float(np.dot(size_m, size_m)) - np.square(size_m))
         body = self._add_body(mass_kg, shape, Pose.identity(), moments)
         self._register(body, Pose.identity(), friction)
@@ -169,9 +165,7 @@ class Bullet:
     def move_tie(self, constraint: int, T_world_body: Pose) -> None:
         """Let the tied body be at ``T_world_body`` after the next step."""
         xyz, xyzw = _frame(T_world_body)
-        _p.changeConstraint(
-            constraint, jointChildPivot=xyz, jointChildFrameOrientation=xyzw, physicsClientId=self.id
-        )
+        _p.changeConstraint(constraint, jointChildPivot=xyz, jointChildFrameOrientation=xyzw, physicsClientId=self.id)
 
     def carry(self, body: int, xyz_m: Array, wxyz: Array, velocity_mps: Array) -> None:
         """Drive a free, heavy, symmetric body through the coming step: from a position, at a velocity.
@@ -198,9 +192,7 @@ class Bullet:
     def link_distance_m(self, body: int, link_a: str, link_b: str, within_m: float) -> float | None:
         """The same for two links of one body."""
         a, b = self.link_index(body, link_a), self.link_index(body, link_b)
-        points = _p.getClosestPoints(
-            body, body, within_m, linkIndexA=a, linkIndexB=b, physicsClientId=self.id
-        )
+        points = _p.getClosestPoints(body, body, within_m, linkIndexA=a, linkIndexB=b, physicsClientId=self.id)
         return min((float(point[8]) for point in points), default=None)
 
     def joints(self, body: int) -> dict[str, int]:
@@ -254,9 +246,7 @@ class Bullet:
         """Switch off the motor that PyBullet gives every joint."""
         _p.setJointMotorControl2(body, joint, _p.VELOCITY_CONTROL, force=0.0, physicsClientId=self.id)
 
-    def gear(
-        self, body: int, master: int, child: int, multiplier: float, max_force: float, erp: float
-    ) -> int:
+    def gear(self, body: int, master: int, child: int, multiplier: float, max_force: float, erp: float) -> int:
         """Couple two joints of a body, ``q_child = multiplier * q_master``; returns the constraint."""
         zero = [0.0, 0.0, 0.0]
         gear: int = _p.createConstraint(
@@ -318,9 +308,7 @@ class Bullet:
         dynamics = _p.getDynamicsInfo(body, -1, physicsClientId=self.id)
         return self._register(body, _pose((dynamics[3], dynamics[4])), 0.5)
 
-    def _register(
-        self, body: int, T_base_inertial: Pose, friction: float, spinning: float = SPINNING_FRICTION
-    ) -> int:
+    def _register(self, body: int, T_base_inertial: Pose, friction: float, spinning: float = SPINNING_FRICTION) -> int:
         """Note the body's frames and link names; no damping anywhere."""
         self._T_base_inertial[body] = T_base_inertial
         self._T_inertial_base[body] = T_base_inertial.inverse()

@@ -12,11 +12,7 @@ from backend.robots.models import cache_folder
 def object_mesh_file(description: ObjectDescription) -> Path:
     """Path of the object's convex parts, written if need be. PyBullet reads each group as a convex hull."""
     text = _obj_text(description)
-    path = (
-        cache_folder()
-        / "objects"
-        / f"{description.name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.obj"
-    )
+    path = cache_folder() / "objects" / f"{description.name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.obj"
     if not path.is_file():
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, aside = tempfile.mkstemp(prefix=f".{description.name}-", dir=path.parent)

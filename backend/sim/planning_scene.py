@@ -112,9 +112,7 @@ class PlanningScene:
         options = _options(target, hand_may_touch_target)
         return kernels.free(self._robot, self._table.arrays, self._margins, options, _row(q))
 
-    def free_many(
-        self, qs: Array, *, target: bool = True, hand_may_touch_target: bool = False
-    ) -> NDArray[np.bool_]:
+    def free_many(self, qs: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> NDArray[np.bool_]:
         """(n,) whether each posture of (n, dof) is free."""
         options = _options(target, hand_may_touch_target)
         return kernels.free_each(self._robot, self._table.arrays, self._margins, options, _row(qs))

@@ -47,14 +47,10 @@ class DrawnBelt:
         foot = self.distance_m * np.array([np.cos(self.theta_rad), np.sin(self.theta_rad), 0.0])
         return Pose.from_xyz_yaw(foot, yaw_rad)
 
-    def ends(
-        self, start_top_m: float = TRAY_THICKNESS_M, end_top_m: float = TRAY_THICKNESS_M
-    ) -> tuple[Point, Point]:
+    def ends(self, start_top_m: float = TRAY_THICKNESS_M, end_top_m: float = TRAY_THICKNESS_M) -> tuple[Point, Point]:
         """Start and end of the straight belt, at these heights of the tray's top face."""
         half = self.length_m / 2
-        points = self.T_world_belt.transform_points(
-            np.array([(-half, 0.0, start_top_m), (half, 0.0, end_top_m)])
-        )
+        points = self.T_world_belt.transform_points(np.array([(-half, 0.0, start_top_m), (half, 0.0, end_top_m)]))
         (x0, y0, z0), (x1, y1, z1) = points.tolist()
         return (x0, y0, z0), (x1, y1, z1)
 
@@ -102,9 +98,7 @@ class BeltTask(Config):
         """The setup with what else the task puts around the belt; None if there is no room for it."""
         return setup
 
-    def draw(
-        self, rng: np.random.Generator, target: ObjectDescription, arm_spheres_world: Array
-    ) -> TrialSetup:
+    def draw(self, rng: np.random.Generator, target: ObjectDescription, arm_spheres_world: Array) -> TrialSetup:
         """How a trial begins, with everything clear of the arm at home (n, 4: x, y, z, radius).
 
         A belt is drawn again when tray, object or slab would start inside the arm, when it would carry the

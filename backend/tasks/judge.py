@@ -41,15 +41,11 @@ class Judge:
 
     def knocked(self, world: World) -> str | None:
         """Which obstacle is not where it belongs; None if all are."""
-        for (name, _), before, now in zip(
-            world.setup.obstacles, self._obstacles, world.obstacle_poses(), strict=True
-        ):
+        for (name, _), before, now in zip(world.setup.obstacles, self._obstacles, world.obstacle_poses(), strict=True):
             moved = float(np.linalg.norm(now.xyz_m - before.xyz_m))
             tilt = float(np.arccos(np.clip(now.rotation[:, 2] @ before.rotation[:, 2], -1.0, 1.0)))
             if moved > KNOCKED_M or tilt > KNOCKED_RAD:
-                return (
-                    f"{name} was moved by {moved * 100:.1f} cm and tilted by {np.degrees(tilt):.0f} degrees"
-                )
+                return f"{name} was moved by {moved * 100:.1f} cm and tilted by {np.degrees(tilt):.0f} degrees"
         return None
 
     def verdict(self, world: World, ended: FailureReason | None, detail: str) -> Outcome:

@@ -38,6 +38,4 @@ class LinearZ(BeltTask):
             start_top_m=half + between(low, high, belt.start_height_share, self.start_height_m),
             end_top_m=half + between(low, high, belt.end_height_share, self.end_height_m),
         )
-        return LinearMotion(
-            start_m=start, end_m=end, start_speed_mps=self.speed_mps, end_speed_mps=self.speed_mps
-        )
+        return LinearMotion(start_m=start, end_m=end, start_speed_mps=self.speed_mps, end_speed_mps=self.speed_mps)

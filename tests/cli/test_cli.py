@@ -66,10 +66,8 @@ def test_info_lists_everything(capsys: pytest.CaptureFixture[str]):
 
 def test_a_survey_counts_every_trial(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     rows = tmp_path / "rows.jsonl"
-    code = main(
-        ["survey", "--scenarios", "ur5_linear", "--objects", "cube", "--seeds", "2", "--workers", "1"]
-        + ["--json", "--out", str(rows), *QUICK]
-    )
+    selection = "--scenarios ur5_linear --objects cube --seeds 2 --workers 1".split()
+    code = main(["survey", *selection, "--json", "--out", str(rows), *QUICK])
     assert code == 0
     tables = json.loads(capsys.readouterr().out)
     assert tables["by robot"][0]["n"] == 2 and tables["by robot"][0]["reasons"] == {"timeout": 2}

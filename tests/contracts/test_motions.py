@@ -32,9 +32,7 @@ def make_linear(x: float, y: float, z: float, z1: float, yaw: float, length: flo
 
 def make_sinusoidal(x: float, y: float, z: float, yaw: float, length: float, v: float):
     start, end = ends(x, y, z, z, yaw, length)
-    return SinusoidalMotion(
-        start_m=start, end_m=end, speed_mps=v, amplitude_m=length / 8, period_m=length / 3
-    )
+    return SinusoidalMotion(start_m=start, end_m=end, speed_mps=v, amplitude_m=length / 8, period_m=length / 3)
 
 
 linears = st.builds(make_linear, coordinates, coordinates, heights, heights, angles, lengths, speeds, speeds)

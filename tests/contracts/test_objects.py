@@ -80,9 +80,7 @@ def surface_points(mesh: trimesh.Trimesh, count: int) -> tuple[Array, Array]:
 
 def union_surface_points(parts: Sequence[trimesh.Trimesh], count: int) -> Array:
     """Random points of the parts' surfaces that no other part covers."""
-    points, normals = (
-        np.concatenate(both) for both in zip(*(surface_points(p, count) for p in parts), strict=True)
-    )
+    points, normals = (np.concatenate(both) for both in zip(*(surface_points(p, count) for p in parts), strict=True))
     return points[depth_in_union(parts, points + 5e-4 * normals) > 0]
 
 

@@ -264,7 +264,8 @@ def _carry(bullet: Bullet, hand: HandAlone, drive: GripperDrive, from_m: float, 
 
 
 def _follow(bullet: Bullet, robot: Robot, drive: GripperDrive, way: Array):
-    for q, qd in zip(way, np.gradient(way, STEP_S, axis=0), strict=True):
+    speeds: Array = np.asarray(np.gradient(way, STEP_S, axis=0), dtype=np.float64)
+    for q, qd in zip(way, speeds, strict=True):
         robot.command(q, qd)
         robot.command_gripper(drive.update(STEP_S))
         bullet.step()

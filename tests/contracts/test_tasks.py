@@ -175,9 +175,7 @@ def test_varying_speed_rises_from_the_starts_to_the_ends():
     motion = drawn(make("linear_varying"), 0).motion
     assert isinstance(motion, LinearMotion)
     assert math.isclose(float(np.linalg.norm(motion.velocity_at(0.0))), 0.03)
-    assert math.isclose(
-        float(np.linalg.norm(motion.velocity_at(motion.duration_s - 1e-9))), 0.05, rel_tol=1e-6
-    )
+    assert math.isclose(float(np.linalg.norm(motion.velocity_at(motion.duration_s - 1e-9))), 0.05, rel_tol=1e-6)
 
 
 def test_the_sinusoid_swings_by_an_eighth_of_the_length():
@@ -237,9 +235,7 @@ def test_obstacles_touch_nothing_on_the_way(robot: str, target: str):
         solids = [object_solid(name, pose) for name, pose in setup.obstacles]
         assert [name for name, _ in setup.obstacles] == list(OBSTACLES)
         pairs = [(a, b) for i, a in enumerate(solids) for b in solids[:i]]
-        passing = [
-            part for t_s in np.linspace(0, setup.motion.duration_s, 11) for part in cargo(setup, target, t_s)
-        ]
+        passing = [part for t_s in np.linspace(0, setup.motion.duration_s, 11) for part in cargo(setup, target, t_s)]
         pairs += [(obstacle, other) for obstacle in solids for other in [*passing, *low]]
         assert not any(a.overlaps(b) for a, b in pairs)
 
@@ -293,9 +289,7 @@ def test_the_tray_carries_all_that_the_object_stands_on(target: str):
 
 def test_a_trial_that_finds_no_room_says_so():
     everywhere = np.array([[0.0, 0.0, 0.1, 3.0]])
-    with pytest.raises(
-        InvalidInputError, match=r"None of 500 belts .*'Linear'.* cube .*0\.3 to 0\.7 m; try larger"
-    ):
+    with pytest.raises(InvalidInputError, match=r"None of 500 belts .*'Linear'.* cube .*0\.3 to 0\.7 m; try larger"):
         drawn(make("linear"), 0, everywhere)
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from backend.events import MoveObstacle, SetBeltRate
 from backend.errors import InvalidInputError
+from backend.events import MoveObstacle, SetBeltRate
 from backend.kinematics import load_kinematics
 from backend.objects import load_object
 from backend.robots.models import load_model
