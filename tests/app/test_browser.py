@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from backend.robots import ROBOTS
+from backend.robots.models import load_model
 from tests.app.browser import (
     button,
     choose,
@@ -22,7 +24,7 @@ from tests.app.browser import (
 )
 from tests.app.served import Served, serve
 
-pytestmark = [pytest.mark.timeout(90), pytest.mark.xdist_group("browser")]
+pytestmark = [pytest.mark.timeout(120), pytest.mark.xdist_group("browser")]
 
 
 @pytest.fixture(scope="module")
@@ -33,6 +35,9 @@ def served() -> Iterator[Served]:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    for robot in ROBOTS:
+        load_model(robot)  # made once per machine; not what is tested here
+    expect.set_options(timeout=15_000)
     with open_browser() as browser:
         yield browser
 
