@@ -43,6 +43,8 @@ class CycleStart:
     """The grasp the arm is moving to."""
     previous: tuple[Path, Trajectory] | None
     """The plan in force and its timing."""
+    put_off: frozenset[int] = frozenset()
+    """Grasps not to be taken now: their approach was refused a moment ago."""
 
 
 class Cycle:
@@ -143,7 +145,8 @@ class Cycle:
             kinematics=self.kinematics,
             scene=self.scene,
             q=start.arm_at(ready_s).q,
-            held=None if start.held is None else start.held.index,
+            held=None if start.held is None or start.held.index in start.put_off else start.held.index,
+            put_off=start.put_off,
             lift_m=self.method.execution.lift_m,
             rng=self._rng,
         )

@@ -32,6 +32,8 @@ TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
 LIKELY_CLOSE_S = 0.5
 """About when after the arrival the fingers have closed and the lift begins."""
+PUT_OFF_S = 2.0
+"""A grasp whose approach is refused is not taken again for so long."""
 CHECK_EVERY = 4
 """Knots of the approach between two collision checks, 1/15 s."""
 
@@ -56,6 +58,7 @@ class Pilot:
         self._held: Candidate | None = None
         self._previous: tuple[Path, Trajectory] | None = None
         self._got_to = 0
+        self._put_off_until_s: dict[int, float] = {}
 
     def observe(self, observation: Observation) -> None:
         """Take in an observation; once the fingers close, the hand knows better than the eye."""
@@ -93,6 +96,7 @@ class Pilot:
             arm_at=self.executor.arm_at,
             held=self._held,
             previous=self._previous,
+            put_off=frozenset(i for i, until_s in self._put_off_until_s.items() if t_s < until_s),
         )
         result = self._cycle.run(start, self._predictor)
         self.result = result
@@ -122,6 +126,8 @@ class Pilot:
         refusal = approach if isinstance(approach, Refusal) else self._unsafe(approach)
         if isinstance(approach, Refusal) or refusal is not None:
             self.approach_refusal = "" if refusal is None else refusal.why
+            assert self._held is not None
+            self._put_off_until_s[self._held.index] = t_s + PUT_OFF_S
             return False
         self.approach_start_s = request.arm.t_s
         self._begin(approach)

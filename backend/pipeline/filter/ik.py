@@ -3,7 +3,7 @@
 import numpy as np
 
 from backend.methods.method import IkFilter
-from backend.pipeline.filter.ranking import RankContext
+from backend.pipeline.filter.ranking import PUT_OFF, RankContext
 from backend.pipeline.reach import joint_goals
 from backend.pipeline.values import Candidates, JointGoal, Shortlist
 from backend.pose import Array
@@ -25,6 +25,8 @@ def shortlist_by_ik(config: IkFilter, candidates: Candidates, context: RankConte
     n = len(candidates.quality)
     qs_pregrasp, found = context.kinematics.ik_many(candidates.Ts_world_pregrasp, context.q, RESTARTS)
     rejected = {int(i): "pregrasp out of reach" for i in np.flatnonzero(~found)}
+    for i in context.put_off:
+        found[i], rejected[i] = False, PUT_OFF
     goals: dict[int, JointGoal] = {}
     solved = np.flatnonzero(found)
     for i, goal in zip(solved.tolist(), _goals(candidates, solved, qs_pregrasp[solved], context), strict=True):

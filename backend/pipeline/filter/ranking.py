@@ -8,6 +8,8 @@ from backend.kinematics import Kinematics
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
 
+PUT_OFF = "its approach was refused a moment ago"
+
 
 @dataclass(frozen=True, eq=False)
 class RankContext:
@@ -19,5 +21,7 @@ class RankContext:
     """(dof,) rad, where the arm will be when the result takes effect."""
     held: int | None
     """Index of the grasp the arm is moving to."""
+    put_off: frozenset[int]
+    """Indices of grasps whose approach was refused a moment ago."""
     lift_m: float
     rng: np.random.Generator
