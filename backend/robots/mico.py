@@ -12,7 +12,8 @@ from backend.robots.description import (
 )
 
 P = "m1n6s200_"
-TWO_PI = 2.0 * math.pi
+ENDLESS_RAD = 8.0 * math.pi
+"""Continuous joints: four turns either way, more than any motion here winds up."""
 FINGERS = tuple(f"{P}link_finger_{part}" for part in ("1", "tip_1", "2", "tip_2"))
 
 HAND = GripperDescription(
@@ -42,8 +43,8 @@ MICO = RobotDescription(
     T_flange_tcp=Pose.from_xyz_rpy((0.0, 0.0, 0.025), (0.0, 0.0, -math.pi / 2)),
     gripper=HAND,
     backoff_m=0.05,
-    joint_lower_rad=(-TWO_PI, 0.872665, 0.610865, -TWO_PI, -TWO_PI, -TWO_PI),
-    joint_upper_rad=(TWO_PI, 5.410521, 5.672320, TWO_PI, TWO_PI, TWO_PI),
+    joint_lower_rad=(-ENDLESS_RAD, 0.872665, 0.610865, -ENDLESS_RAD, -ENDLESS_RAD, -ENDLESS_RAD),
+    joint_upper_rad=(ENDLESS_RAD, 5.410521, 5.672320, ENDLESS_RAD, ENDLESS_RAD, ENDLESS_RAD),
     joint_effort_nm=(40.0, 80.0, 40.0, 20.0, 20.0, 20.0),
     profiles={
         "paper": SpeedProfile(
