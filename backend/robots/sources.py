@@ -90,4 +90,7 @@ def compile_urdf(source: RobotSource, root: Path) -> ET.Element:
             gone = child.get("link")
         if element.tag not in ("link", "joint") or gone in source.dropped_links:
             robot.remove(element)
+    for limit in robot.findall("joint[@type='continuous']/limit"):
+        for bound in ("lower", "upper"):  # PyBullet would stop a continuous joint there
+            limit.attrib.pop(bound, None)
     return robot
