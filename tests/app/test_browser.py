@@ -10,8 +10,6 @@ from collections.abc import Callable, Iterator
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from backend.robots import ROBOTS
-from backend.robots.models import load_model
 from tests.app.browser import (
     button,
     choose,
@@ -35,8 +33,6 @@ def served() -> Iterator[Served]:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
-    for robot in ROBOTS:
-        load_model(robot)  # made once per machine; not what is tested here
     expect.set_options(timeout=15_000)
     with open_browser() as browser:
         yield browser

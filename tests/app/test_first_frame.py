@@ -4,7 +4,6 @@ import time
 
 import pytest
 
-from backend.robots.models import load_model
 from tests.app.browser import open_browser, open_page, wait_for_node
 from tests.app.served import serve
 
@@ -14,7 +13,6 @@ SETTLE_S = 20.0
 
 
 def test_the_first_frame_is_there_in_time() -> None:
-    load_model("ur5_robotiq")  # made once per machine
     with serve("--paused") as served, open_browser() as browser, open_page(browser, "about:blank") as page:
         deadline = time.monotonic() + SETTLE_S
         while served.state()["tick"] is None:
