@@ -5,26 +5,9 @@ import pytest
 
 from backend.errors import InvalidInputError
 from backend.events import MoveObstacle, SetBeltRate
-from backend.kinematics import load_kinematics
-from backend.objects import load_object
-from backend.robots.models import load_model
-from backend.scenario import load_scenario, scenario_names
+from backend.scenario import scenario_names
 from backend.sim.bullet import STEP_S
-from backend.sim.world import World
-
-
-def world_of(scenario_name: str, object_name: str, seed: int = 3) -> World:
-    scenario = load_scenario(scenario_name)
-    model = load_model(scenario.robot)
-    home = np.array(model.description.home_rad)
-    arm = load_kinematics(scenario.robot).spheres_world(home)
-    setup = scenario.task.draw(np.random.default_rng(seed), load_object(object_name), arm)
-    return World(model, object_name, setup)
-
-
-def stand(world: World) -> tuple[np.ndarray, np.ndarray]:
-    home = np.array(world.model.description.home_rad)
-    return home, np.zeros_like(home)
+from tests.sim.worlds import standing, world_of
 
 
 def relative_error(a: np.ndarray, b: np.ndarray) -> float:
@@ -34,7 +17,7 @@ def relative_error(a: np.ndarray, b: np.ndarray) -> float:
 @pytest.mark.parametrize("name", [n for n in scenario_names() if n.startswith("ur5")])
 def test_tray_and_object_move_as_one_from_the_first_step_to_the_last(name: str):
     with world_of(name, "power_drill" if name.endswith("sinusoidal") else "tomato_soup_can") as world:
-        arm = stand(world)
+        arm = standing(world)
         start = world.tray_pose().inverse() @ world.object_pose()
         for k in range(int(world.setup.motion.duration_s / STEP_S) - 2):
             world.step(*arm)
@@ -50,7 +33,7 @@ def test_tray_and_object_move_as_one_from_the_first_step_to_the_last(name: str):
 @pytest.mark.parametrize("object_name", ["bleach_cleanser", "cube"])
 def test_the_belt_changes_its_pace_without_losing_its_load(object_name: str):
     with world_of("mico_linear", object_name) as world:
-        arm = stand(world)
+        arm = standing(world)
         start = world.tray_pose().inverse() @ world.object_pose()
         for rate, seconds in ((3.0, 2.0), (0.0, 2.0), (-2.0, 2.0)):
             world.apply(SetBeltRate(rate=rate))
@@ -70,7 +53,7 @@ def test_the_belt_changes_its_pace_without_losing_its_load(object_name: str):
 def test_the_same_world_twice_is_the_same_bit_for_bit():
     def course() -> list[bytes]:
         with world_of("ur5_linear_obstacles", "mustard_bottle") as world:
-            arm = stand(world)
+            arm = standing(world)
             out: list[bytes] = []
             for _ in range(240):
                 world.step(*arm)
@@ -82,7 +65,7 @@ def test_the_same_world_twice_is_the_same_bit_for_bit():
 
 def test_the_arm_stands_still_when_it_is_told_to():
     with world_of("mico_circular", "cube") as world:
-        arm = stand(world)
+        arm = standing(world)
         for _ in range(480):
             world.step(*arm)
         np.testing.assert_allclose(world.q(), arm[0], atol=1e-3)
@@ -90,7 +73,7 @@ def test_the_arm_stands_still_when_it_is_told_to():
 
 def test_an_obstacle_goes_where_it_is_put_and_stands_there():
     with world_of("mico_linear_obstacles", "cube") as world:
-        arm = stand(world)
+        arm = standing(world)
         world.apply(MoveObstacle(index=1, x_m=0.9, y_m=-0.8, yaw_rad=0.5))
         for _ in range(120):
             world.step(*arm)
