@@ -19,6 +19,8 @@ from backend.errors import GraspingError, InvalidInputError
 Answer = str | None
 Color = Literal["blue", "red", "green"]
 NOTICE_S = 6.0
+QUIET_S = 1.5
+"""How long a widget is left alone after somebody has touched it."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +33,7 @@ class Wish:
 
 
 class Desk:
-    """Callbacks of viser run in a pool of threads and may be reordered: they only leave wishes here."""
+    """Callbacks of viser come from other threads: they only leave wishes here."""
 
     def __init__(self, server: viser.ViserServer, session: Session) -> None:
         self.session = session
@@ -41,6 +43,7 @@ class Desk:
         self._lock = threading.Lock()
         self._wishes: dict[str, Wish] = {}
         self._touched_s: dict[str, float] = {}
+        self._mirrored: dict[str, object] = {}
 
     def wish(
         self, key: str, act: Callable[[], Answer], client: viser.ClientHandle | None, after_s: float = 0.0
@@ -54,11 +57,19 @@ class Desk:
             self._wishes.pop(key, None)
             self._wishes[key] = Wish(act, client, now + after_s)
             self._touched_s[key] = now
+            self._mirrored.pop(key, None)
 
-    def is_quiet(self, key: str, since_s: float = 1.5) -> bool:
-        """Whether nobody has touched ``key`` lately, so that its widget may be set to what is true."""
+    def mirror(self, key: str, widget: Any, truth: object) -> None:
+        """Let a widget show what is true, once that has changed or somebody has been at it and is so no more.
+
+        Not each time the two differ: what was chosen a moment ago is not true yet.
+        """
         with self._lock:
-            return time.monotonic() - self._touched_s.get(key, -since_s) >= since_s
+            touched_s = self._touched_s.get(key, -QUIET_S)
+            if time.monotonic() - touched_s < QUIET_S or self._mirrored.get(key) == truth:
+                return
+            self._mirrored[key] = truth
+        widget.value = truth
 
     def fulfil(self) -> None:
         """Do what is due; called by the dashboard's thread only."""
@@ -106,7 +117,7 @@ class Desk:
             self.say("Not possible", str(error), "red", wish.client)
             self.status_line = f"Refused: {error}"
             with self._lock:
-                self._touched_s.pop(key, None)  # the widget shows the truth again at once
+                self._touched_s.pop(key, None)
             return
         if answer is not None:
             self.status_line = answer

@@ -52,8 +52,8 @@ class PlaybackPanel:
     def show(self, view: View) -> None:
         self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
         label = speed_label(view.state.pace.speed)
-        if self._desk.is_quiet("speed") and label in LABELS:
-            self._speed.value = label
+        if label in LABELS:
+            self._desk.mirror("speed", self._speed, label)
 
     def press(self, label: str) -> Answer:
         """Raises ``NotFoundError`` for a button that is not there."""
@@ -83,11 +83,11 @@ class PlaybackPanel:
         self._desk.send(checked(SetSpeed, speed=lookup("speed", label, LABELS)))
         return None
 
-    def _on_button(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
+    async def _on_button(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
         label = event.target.value
         self._desk.wish("button", lambda: self.press(label), event.client)
 
-    def _on_speed(self, event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
+    async def _on_speed(self, event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
         if event.client is None:
             return
         label = event.target.value

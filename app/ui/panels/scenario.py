@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from typing import Any
 
 import viser
@@ -48,17 +48,11 @@ class ScenarioPanel:
         self._direction.on_click(self._choose("direction", self.set_direction))
 
     def show(self, view: View) -> None:
-        state, quiet = view.state, self._desk.is_quiet
-        names = (
-            ("scenario", self._scenario, state.info.scenario),
-            ("object", self._object, state.info.object),
-            ("method", self._method, state.info.method),
-        )
-        for key, widget, name in names:
-            if quiet(key):
-                widget.value = name
-        if quiet("seed"):
-            self._seed.value = state.restart.seed
+        info, mirror = view.state.info, self._desk.mirror
+        mirror("scenario", self._scenario, info.scenario)
+        mirror("object", self._object, info.object)
+        mirror("method", self._method, info.method)
+        mirror("seed", self._seed, view.state.restart.seed)
         self._show_belt(view)
         self._status.content = note(view.status_line)
 
@@ -115,16 +109,22 @@ class ScenarioPanel:
         speed_mps, snapshot = view.state.info.speed_mps, view.state.snapshot
         self._speed.visible = speed_mps is not None
         self._factor.visible = speed_mps is None
-        if snapshot is None or not self._desk.is_quiet("belt") or not self._desk.is_quiet("direction"):
+        if snapshot is None:
             return
-        self._factor.value = round(snapshot.belt_rate, 1)
-        if speed_mps is not None:
-            self._speed.value = round(CM_PER_M * speed_mps * snapshot.belt_rate, 1)
+        if speed_mps is None:
+            self._desk.mirror("belt", self._factor, round(snapshot.belt_rate, 1))
+        else:
+            self._desk.mirror("belt", self._speed, round(CM_PER_M * speed_mps * snapshot.belt_rate, 1))
 
-    def _choose(self, key: str, act: Callable[[Any], Answer], after_s: float = 0.0) -> Callable[[Any], None]:
-        """A callback that leaves the wish to do ``act`` with the widget's value."""
+    def _choose(
+        self, key: str, act: Callable[[Any], Answer], after_s: float = 0.0
+    ) -> Callable[[Any], Coroutine[None, None, None]]:
+        """A callback that leaves the wish to do ``act`` with the widget's value.
 
-        def on_event(event: viser.GuiEvent[Any]) -> None:
+        It is a coroutine because viser calls those at once, and not some time later in a pool of threads.
+        """
+
+        async def on_event(event: viser.GuiEvent[Any]) -> None:
             if event.client is not None:  # None: set by ``show``
                 value = event.target.value
                 self._desk.wish(key, lambda: act(value), event.client, after_s)
