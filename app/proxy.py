@@ -117,7 +117,8 @@ async def _first_of(*directions: Coroutine[None, None, None]) -> None:
 
 
 def _page(title: str) -> bytes:
-    """viser's single-file client under our title."""
+    """viser's single-file client under our title and icon."""
     path = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = path.read_text(encoding="utf-8")
-    return text.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>").encode()
+    head = f'<title>{html.escape(title)}</title><link rel="icon" type="image/svg+xml" href="/assets/icon.svg">'
+    return text.replace("<title>Viser</title>", head).encode()

@@ -57,6 +57,13 @@ def test_the_address_leads_to_the_viewer_under_our_title(served: Served) -> None
     assert answer.headers["content-encoding"] == "gzip"
 
 
+def test_the_page_has_an_icon_of_its_own(served: Served) -> None:
+    page = httpx.get(served.address + "viewer/").text
+    assert '<link rel="icon" type="image/svg+xml" href="/assets/icon.svg">' in page
+    icon = httpx.get(served.address + "assets/icon.svg")
+    assert icon.status_code == 200 and icon.text.startswith("<svg")
+
+
 def test_a_viewer_gets_the_scene_through_the_proxy(viewer: ViewerClient) -> None:
     viewer.wait_for("MeshMessage", name="/object/body")
     viewer.wait_for("BatchedMeshesMessage", name="/grasps/predicted/shortlist")
