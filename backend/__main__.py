@@ -1,4 +1,4 @@
-"""The headless command line: trial, survey, replay, build, bench, info."""
+"""The headless command line: trial, survey, replay, build, bench, warm, info."""
 
 import sys
 

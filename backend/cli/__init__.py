@@ -63,6 +63,9 @@ def _parser() -> argparse.ArgumentParser:
     bench.add_argument("--trials", type=int, default=5, metavar="N")
     _json(bench)
 
+    warm = commands.add_parser("warm", help="make robot models and compiled kernels once, for quick first starts")
+    _json(warm)
+
     info = commands.add_parser("info", help="list robots, objects, tasks, methods, scenarios and versions")
     _json(info)
     return parser

@@ -64,6 +64,11 @@ def test_info_lists_everything(capsys: pytest.CaptureFixture[str]):
     assert "tomato_soup_can" in capsys.readouterr().out
 
 
+def test_warming_up_names_every_robot(capsys: pytest.CaptureFixture[str]):
+    assert main(["warm", "--json"]) == 0
+    assert list(json.loads(capsys.readouterr().out)["took_s"]) == list(ROBOTS)
+
+
 def test_a_survey_counts_every_trial(capsys: pytest.CaptureFixture[str], tmp_path: Path):
     rows = tmp_path / "rows.jsonl"
     selection = "--scenarios ur5_linear --objects cube --seeds 2 --workers 1".split()
