@@ -12,6 +12,8 @@ DISTANCE_WEIGHT_PER_RAD = 0.02
 """How much measured lift success a radian on the way to the pregrasp outweighs."""
 RESTARTS = 6
 """Postures that IK of each pregrasp starts from when it does not get there from the arm's own."""
+RESTARTS_WHILE_HELD = 2
+"""The same while the arm is on its way to a grasp, when the others are only to fall back on."""
 OTHER_BRANCHES = 6
 """IK branches tried for a grasp whose first solution is blocked."""
 
@@ -23,7 +25,8 @@ def shortlist_by_ik(config: IkFilter, candidates: Candidates, context: RankConte
     there are enough.
     """
     n = len(candidates.quality)
-    qs_pregrasp, found = context.kinematics.ik_many(candidates.Ts_world_pregrasp, context.q, RESTARTS)
+    restarts = RESTARTS if context.held is None else RESTARTS_WHILE_HELD
+    qs_pregrasp, found = context.kinematics.ik_many(candidates.Ts_world_pregrasp, context.q, restarts)
     rejected = {int(i): "pregrasp out of reach" for i in np.flatnonzero(~found)}
     for i in context.put_off:
         found[i], rejected[i] = False, PUT_OFF

@@ -14,11 +14,16 @@ HELD_DISCOUNT = 0.7
 
 
 def pick_nearest(shortlist: Shortlist, context: RankContext) -> tuple[tuple[Candidate, ...], dict[int, str]]:
-    """The reachable grasps of the shortlist, nearest first, and why the others are not."""
+    """The reachable grasps of the shortlist, nearest first, and why the others are not.
+
+    While the arm is on its way to a grasp that is still on the list, the solutions that the filter has found next
+    to the arm's posture are near enough; otherwise every IK branch of every grasp is looked at.
+    """
+    everywhere = context.held is None or context.held not in shortlist.branches
     picked: list[Candidate] = []
     refused: dict[int, str] = {}
     for index in shortlist.kept:
-        goals, why = _goals(shortlist, index, context)
+        goals, why = _goals(shortlist, index, context, everywhere)
         if not goals:
             refused[index] = why
             continue
@@ -46,10 +51,12 @@ def distance_rad(goal: JointGoal, q: Array) -> float:
     return float(np.linalg.norm(goal.q_pregrasp - q) + np.linalg.norm(goal.q_grasp - q))
 
 
-def _goals(shortlist: Shortlist, index: int, context: RankContext) -> tuple[list[JointGoal], str]:
+def _goals(shortlist: Shortlist, index: int, context: RankContext, everywhere: bool) -> tuple[list[JointGoal], str]:
     """Joint goals on distinct branches, nearest first; the last reason in words when there is none."""
     c = shortlist.candidates
     goals = list(shortlist.branches.get(index, ()))
+    if goals and not everywhere:
+        return goals, ""
     found = context.kinematics.ik_branches(c.Ts_world_pregrasp[index], context.q, BRANCHES)
     fresh = [q for q in found if all(np.abs(q - goal.q_pregrasp).max() >= SAME_POSTURE_RAD for goal in goals)]
     why = "pregrasp out of reach"
