@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import zipfile
 from collections.abc import Callable
@@ -16,21 +17,20 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from backend.build.sequences import SequenceSettings, Sequences, draw_sequences
+from backend.build.sequences import Sequences, SequenceSettings, draw_sequences
 from backend.knowledge.predictor import PredictorWeights
 from backend.pipeline.predict.window import BINS_S, FEATURES, HORIZONS_S, MIN_BINS, Windows, normalised
 
 OnProgress = Callable[[str], None]
 HIDDEN = 100
 TRAINING, VALIDATION = 0, 1
-REPORT_EVERY = 250
 
 
 @dataclass(frozen=True)
 class PredictorSettings:
     """How much training, and on what."""
 
-    steps: int = 6000
+    steps: int = 12_000
     batch: int = 320
     """New sequences drawn for every step; none is seen twice."""
     rate: float = 3e-3
@@ -39,6 +39,7 @@ class PredictorSettings:
     """Decay of the running mean of the weights, which is what is kept."""
     validation: int = 4000
     checkpoint_every: int = 250
+    report_every: int = 250
     sequences: SequenceSettings = field(default_factory=SequenceSettings)
 
 
@@ -87,7 +88,7 @@ def build_predictor(
         losses.append(_train_one(run, seed, settings))
         if run.step % settings.checkpoint_every == 0 or run.step == settings.steps:
             _save(run, checkpoint, _purpose(seed, settings))
-        if run.step % REPORT_EVERY == 0:
+        if run.step % settings.report_every == 0:
             on_progress(f"step {run.step} of {settings.steps}, loss {np.mean(losses):.4f}")
             losses = []
     facts = {
@@ -104,16 +105,12 @@ def build_predictor(
 def exported(network: Network, facts: dict[str, Any]) -> PredictorWeights:
     """The network's weights as plain arrays."""
 
-    def plain(tensor: Tensor) -> Any:
-        return tensor.detach().numpy().copy()
-
-    lstm = network.lstm
-    dense = tuple((plain(layer.weight), plain(layer.bias)) for layer in network.dense)  # pyright: ignore[reportArgumentType]
+    plain = {name: tensor.numpy().copy() for name, tensor in network.state_dict().items()}
     return PredictorWeights(
-        lstm_in=plain(lstm.weight_ih_l0),
-        lstm_hidden=plain(lstm.weight_hh_l0),
-        lstm_bias=plain(lstm.bias_ih_l0 + lstm.bias_hh_l0),
-        dense=dense,
+        lstm_in=plain["lstm.weight_ih_l0"],
+        lstm_hidden=plain["lstm.weight_hh_l0"],
+        lstm_bias=plain["lstm.bias_ih_l0"] + plain["lstm.bias_hh_l0"],
+        dense=tuple((plain[f"dense.{k}.weight"], plain[f"dense.{k}.bias"]) for k in range(3)),
         facts=facts,
     )
 
@@ -130,9 +127,9 @@ def _train_one(run: _Run, seed: int, settings: PredictorSettings) -> float:
     rng = np.random.default_rng([seed, TRAINING, run.step])
     share = run.step / settings.steps
     for group in run.optimizer.param_groups:
-        group["lr"] = settings.rate * min(1.0, 50.0 * share + 0.01) * 0.5 * (1.0 + np.cos(np.pi * share))
-    tokens, lengths, target, counts = _batch(draw_sequences(settings.batch, rng, settings.sequences))
-    loss = _loss(run.network(tokens, lengths), target, counts)
+        group["lr"] = settings.rate * min(1.0, 50.0 * share + 0.01) * 0.5 * (1.0 + math.cos(math.pi * share))
+    tokens, lengths, target, worth = _batch(draw_sequences(settings.batch, rng, settings.sequences))
+    loss = _loss(run.network(tokens, lengths), target, worth)
     run.optimizer.zero_grad()
     loss.backward()
     nn.utils.clip_grad_norm_(run.network.parameters(), 1.0)
@@ -146,26 +143,30 @@ def _train_one(run: _Run, seed: int, settings: PredictorSettings) -> float:
 
 
 def _batch(drawn: Sequences) -> tuple[Tensor, Tensor, Tensor, Tensor]:
-    """Tokens, lengths, what the network should answer, and (b, 2) whether position and yaw can be learned from."""
+    """Tokens, lengths, what the network should answer, and (b, 2) how much position and yaw count.
+
+    What is far off its line counts more, by the square root: half-way from relative to absolute errors.
+    """
     windows = normalised(drawn.age_s, drawn.states, drawn.seen)
     off = drawn.future - windows.states(np.zeros_like(drawn.future))
     answer = (off @ windows.turn) / np.maximum(windows.scale, 1e-12)
     counts = (windows.scale[:, 0, 2:] > 1e-7) & (windows.lengths >= MIN_BINS)[:, None]
     answer = np.where(counts[:, None, [0, 0, 0, 1]], answer, 0.0)
+    worth = counts * np.sqrt(np.clip(windows.scale[:, 0, 2:] / (1e-3, 1.0), 0.04, 25.0))
     return (
         torch.from_numpy(windows.tokens),
         torch.from_numpy(windows.lengths),
         torch.from_numpy(answer.astype(np.float32)),
-        torch.from_numpy(counts.astype(np.float32)),
+        torch.from_numpy(worth.astype(np.float32)),
     )
 
 
-def _loss(answer: Tensor, target: Tensor, counts: Tensor) -> Tensor:
+def _loss(answer: Tensor, target: Tensor, worth: Tensor) -> Tensor:
     """Mean distance of the positions, which forgives what nobody could foresee, and of the yaws a little."""
     off = answer - target
     distance = torch.sqrt((off[..., :3] ** 2).sum(dim=2) + 1e-6).mean(dim=1)
     yaw = torch.sqrt(off[..., 3] ** 2 + 1e-6).mean(dim=1)
-    return (counts[:, 0] * distance + 0.3 * counts[:, 1] * yaw).sum() / len(counts)
+    return (worth[:, 0] * distance + worth[:, 1] * yaw).sum() / len(worth)
 
 
 def _measured(network: Network, drawn: Sequences) -> dict[str, Any]:

@@ -28,10 +28,10 @@ class SequenceSettings:
     """Linear motion climbs or descends at up to this angle, in half of its sequences."""
     shares: tuple[float, float, float, float] = (0.4, 0.25, 0.3, 0.05)
     """Linear, circular, sinusoidal, still."""
-    slow_change: float = 0.35
+    slow_change: float = 0.3
     """Share of sequences whose speed changes over 5 to 30 s, as it does on a belt of varying speed."""
-    quick_change: float = 0.1
-    """Share of sequences whose speed changes over 0.1 to 2 s."""
+    quick_change: float = 0.25
+    """Share of sequences whose speed changes over 0.05 to 2 s."""
     noise_m: float = 0.006
     """Largest standard deviation of the position's noise, in each axis."""
     yaw_noise_rad: float = 0.1
@@ -95,7 +95,8 @@ def _paths(t_s: Array, rng: np.random.Generator, settings: SequenceSettings) -> 
     speed = np.exp(rng.uniform(low, high - np.log(2.0) * (kind == 2), (n, 1)))
     s = np.where(kind == 3, 0.0, _progress(t_s, speed, rng, settings))
     climb = rng.uniform(-settings.climb_rad, settings.climb_rad, (n, 1)) * (rng.random((n, 1)) < 0.5)
-    curvature = np.exp(-rng.uniform(*np.log(settings.radius_m), (n, 1))) * rng.choice([-1.0, 1.0], (n, 1))
+    tightest, widest = np.log(settings.radius_m)
+    curvature = np.exp(-rng.uniform(tightest, widest, (n, 1))) * rng.choice([-1.0, 1.0], (n, 1))
     wave = FULL_TURN_RAD / rng.uniform(*settings.swing_period_m, (n, 1))
     slope, phase = rng.uniform(*settings.swing_slope, (n, 1)), rng.uniform(0.0, FULL_TURN_RAD, (n, 1))
     zero = np.zeros_like(s)
@@ -114,9 +115,9 @@ def _progress(t_s: Array, speed: Array, rng: np.random.Generator, settings: Sequ
     kind = rng.random((n, 1))
     quick = kind < settings.quick_change
     changes = kind < settings.quick_change + settings.slow_change
-    over_s = np.where(quick, rng.uniform(0.1, 2.0, (n, 1)), rng.uniform(5.0, 30.0, (n, 1)))
+    over_s = np.where(quick, np.exp(rng.uniform(np.log(0.05), np.log(2.0), (n, 1))), rng.uniform(5.0, 30.0, (n, 1)))
     begin_s = rng.uniform(-WINDOW_S - over_s, HORIZONS_S[-1])
-    factor = np.where(changes, np.exp(rng.uniform(-1.2, 1.2, (n, 1))), 1.0)
+    factor = np.where(changes, np.exp(rng.uniform(-1.0, 1.0, (n, 1)) * np.where(quick, 3.0, 1.2)), 1.0)
     factor = np.clip(speed * factor, *settings.speed_mps) / speed
     u, u0 = (t_s - begin_s) / over_s, -begin_s / over_s
     return speed * (t_s + (factor - 1.0) * over_s * (_ramped(u) - _ramped(u0)))

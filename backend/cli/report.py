@@ -8,16 +8,17 @@ import numpy as np
 
 from backend.errors import InvalidInputError
 from backend.experiments.prediction import AHEAD_S, NOISES_M, PREDICTORS, Errors, measure
+from backend.pose import Array
 
 
 def run(options: argparse.Namespace) -> int:
     """Print the tables; always 0."""
-    if options.trials < 1:
-        raise InvalidInputError(f"--trials must be at least 1 (got {options.trials})")
+    if options.motions < 1:
+        raise InvalidInputError(f"--motions must be at least 1 (got {options.motions})")
     if options.seed < 0:
         raise InvalidInputError(f"--seed must not be negative (got {options.seed})")
     rows: list[Errors] = []
-    for row in measure(options.trials, options.seed):
+    for row in measure(options.motions, options.seed, options.families):
         rows.append(row)
         if row.predictor == PREDICTORS[-1] and row.noise_m == NOISES_M[-1]:
             print(f"{row.family} measured", file=sys.stderr, flush=True)
@@ -41,9 +42,10 @@ def _table(noise_m: float, rows: list[Errors]) -> str:
     ]
     for family in dict.fromkeys(row.family for row in rows):
         out.append(_line(family, [[row] for row in rows if row.family == family]))
-    for title, of_the_tasks in (("**tasks**", True), ("**unseen**", False)):
+    for title, of_the_tasks in (("mean of tasks", True), ("mean of unseen", False)):
         chosen = [row for row in rows if row.of_the_tasks == of_the_tasks]
-        out.append(_line(title, [[row for row in chosen if row.predictor == name] for name in PREDICTORS]))
+        if chosen:
+            out.append(_line(title, [[row for row in chosen if row.predictor == name] for name in PREDICTORS]))
     return "\n".join(out)
 
 
@@ -57,5 +59,5 @@ def _cell(rows: list[Errors]) -> str:
     return f"{_mm(mean)} ({_mm(high)})"
 
 
-def _mm(values_m: np.ndarray) -> str:
+def _mm(values_m: Array) -> str:
     return " / ".join(f"{1e3 * value:.1f}" for value in values_m)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import Literal
 
 import numpy as np
 
+from backend.errors import lookup
 from backend.methods.method import ConstantVelocity, Kalman, LastPose, Lstm, PredictorConfig
 from backend.pipeline.predict import Predictor, make_predictor
 from backend.pipeline.values import Observation
@@ -26,6 +27,7 @@ LOOK_EVERY_S = 0.05
 ASK_EVERY = 10
 FIRST_LOOKS = 20
 LONGEST_S = 40.0
+ROBOTS = ("mico", "ur5")
 SPEED_MPS = 0.03
 """Of the motions that are not of the tasks."""
 
@@ -82,16 +84,15 @@ def families() -> list[Family]:
     ]
 
 
-ROBOTS = ("mico", "ur5")
-
-
-def measure(motions: int, seed: int) -> Iterator[Errors]:
-    """The errors of every predictor on ``motions`` motions of every family under every noise.
+def measure(motions: int, seed: int, only: Sequence[str] | None = None) -> Iterator[Errors]:
+    """The errors of every predictor on ``motions`` motions of every family (or of ``only`` some) under every noise.
 
     All predictors see the same noise. They are asked every 0.5 s, from the first second on until 2 s before the
-    motion's end, at most 40 s of it.
+    motion's end, at most 40 s of it. Raises ``NotFoundError`` for a family that is not there.
     """
-    for (index, family), (level, noise_m) in product(enumerate(families()), enumerate(NOISES_M)):
+    table = {family.name: (index, family) for index, family in enumerate(families())}
+    chosen = list(table.values()) if only is None else [lookup("family of motion", name, table) for name in only]
+    for (index, family), (level, noise_m) in product(chosen, enumerate(NOISES_M)):
         drawn = [_drawn(family, noise_m, [seed, index, k, level]) for k in range(motions)]
         for name in PREDICTORS:
             runs = [_run(make_predictor(_config(name, noise_m), _forbidden), *trial) for trial in drawn]

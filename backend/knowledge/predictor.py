@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import tempfile
@@ -55,7 +56,7 @@ def load_weights(features: int, outputs: int, path: Path | None = None) -> Predi
     hidden = weights.lstm_hidden.shape[-1]
     wanted = [(4 * hidden, features), (4 * hidden, hidden), (4 * hidden,)]
     sizes = [hidden] * len(weights.dense) + [outputs]
-    for wide, narrow in zip(sizes, sizes[1:], strict=False):
+    for wide, narrow in itertools.pairwise(sizes):
         wanted += [(narrow, wide), (narrow,)]
     arrays = [weights.lstm_in, weights.lstm_hidden, weights.lstm_bias, *(a for layer in weights.dense for a in layer)]
     found = [array.shape for array in arrays]
@@ -69,7 +70,7 @@ def load_weights(features: int, outputs: int, path: Path | None = None) -> Predi
 
 def _read(path: Path) -> PredictorWeights:
     try:
-        with np.load(path, allow_pickle=False) as data:
+        with open(path, "rb") as file, np.load(file, allow_pickle=False) as data:
             facts = cast(dict[str, Any], json.loads(str(data["facts"])))
             if facts.get("format") != FORMAT:
                 raise InvalidInputError(

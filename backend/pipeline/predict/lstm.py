@@ -87,7 +87,8 @@ class LstmPredictor:
     def _known(self, kept: Array) -> Array:
         """(horizons, 4) states at ``HORIZONS_S`` after the newest observation."""
         seen = np.ones((1, len(kept)), dtype=np.bool_)
-        windows = normalised(kept[None, -1, 0, None] - kept[None, :, 0], kept[None, :, 1:], seen)
+        newest_first = kept[None, ::-1]
+        windows = normalised(kept[-1, 0] - newest_first[..., 0], newest_first[..., 1:], seen)
         length = int(windows.lengths[0])
         enough = length >= MIN_BINS and bool(windows.scale.any())
         answer = self._network(windows.tokens[0, :length]) if enough else np.zeros((len(HORIZONS_S), 4))

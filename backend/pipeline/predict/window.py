@@ -57,45 +57,48 @@ class Windows:
 def normalised(age_s: Array, states: Array, seen: Bools) -> Windows:
     """Windows of observations ``age_s`` (b, n) before the newest, where ``seen``; ``states`` are (b, n, 4).
 
-    At least one observation of each sequence must be seen; what is older than ``WINDOW_S`` counts as unseen.
+    The newest comes first, at age 0, and is seen; what is older than ``WINDOW_S`` counts as unseen.
     """
-    member = (np.searchsorted(BINS_S, age_s - 1e-9)[..., None] == np.arange(len(BINS_S))[::-1]) & seen[..., None]
-    share = member.astype(np.float64).transpose(0, 2, 1)
-    count = share.sum(axis=2)
-    newest = np.take_along_axis(states, np.where(seen, age_s, np.inf).argmin(axis=1)[:, None, None], axis=1)
-    total = np.maximum(count, 1.0)[..., None]
-    tau = -(share @ age_s[..., None]) / total
-    mean = (share @ (states - newest)) / total
-
+    newest = states[:, :1]
+    count, tau, mean = _binned(age_s, states - newest, seen)
     weight = (count * np.exp(tau[..., 0] / MEMORY_S))[..., None]
     weight /= weight.sum(axis=1, keepdims=True)
-    mean_tau, middle = (weight * tau).sum(axis=1, keepdims=True), (weight * mean).sum(axis=1, keepdims=True)
-    spread = (weight * (tau - mean_tau) ** 2).sum(axis=1, keepdims=True)
-    slope = (weight * (tau - mean_tau) * (mean - middle)).sum(axis=1, keepdims=True) / np.maximum(spread, 1e-12)
-    off = (mean - middle - slope * (tau - mean_tau)) * (count > 0)[..., None]
-    turn = _headed(slope[:, 0])
-    size = _size(off, count)
+    by_weight = weight.transpose(0, 2, 1)
+    mean_tau, middle = by_weight @ tau, by_weight @ mean
+    since, off = tau - mean_tau, mean - middle
+    spread = by_weight @ since**2
+    slope = (weight * since).transpose(0, 2, 1) @ off / np.maximum(spread, 1e-12)
+    off = (off - slope * since) * (count > 0.0)[..., None]
+    turn, size = _headed(slope[:, 0]), _size(off, count)
     duration = np.sqrt(12.0 * np.maximum(spread, 1e-4))
 
-    shape = (off @ turn) / np.maximum(size, 1e-12)
-    tokens = np.concatenate(
-        [shape, tau / 2.0, np.log2(total) / 2.0, _facts(slope, size, duration, len(BINS_S))], axis=2
-    )
-    order = np.argsort(count == 0, axis=1, kind="stable")
-    return Windows(
-        tokens=np.take_along_axis(tokens, order[..., None], axis=1).astype(np.float32),
-        lengths=(count > 0).sum(axis=1),
-        line=np.concatenate([newest + middle - slope * mean_tau, slope], axis=1),
-        turn=turn,
-        scale=size * (1.0 + HORIZONS_S[:, None] / duration) ** 2,
-    )
+    tokens = np.empty((*count.shape, FEATURES), dtype=np.float32)
+    tokens[..., :4] = (off @ turn) / np.maximum(size, 1e-12)
+    tokens[..., 4] = tau[..., 0] / 2.0
+    tokens[..., 5] = np.log2(np.maximum(count, 1.0)) / 2.0
+    tokens[..., 6:] = _facts(slope[:, 0], size[:, 0], duration[:, 0, 0])[:, None]
+    lengths = (count > 0.0).sum(axis=1)
+    if (lengths < count.shape[1]).any():
+        order = np.argsort(count == 0.0, axis=1, kind="stable")
+        tokens = np.take_along_axis(tokens, order[..., None], axis=1)
+    line = np.concatenate([newest + middle - slope * mean_tau, slope], axis=1)
+    return Windows(tokens, lengths, line, turn, size * (1.0 + HORIZONS_S[:, None] / duration) ** 2)
+
+
+def _binned(age_s: Array, states: Array, seen: Bools) -> tuple[Array, Array, Array]:
+    """Of each bin, oldest first: how many are in it (b, bins), their mean time (b, bins, 1) and state (b, bins, 4)."""
+    bins = len(BINS_S) - 1 - np.searchsorted(BINS_S, age_s - 1e-9)
+    member = ((bins[:, None] == np.arange(len(BINS_S))[:, None]) & seen[:, None]).astype(np.float64)
+    count = member.sum(axis=2)
+    member /= np.maximum(count, 1.0)[..., None]
+    return count, member @ -age_s[..., None], member @ states
 
 
 def _size(off: Array, count: Array) -> Array:
     """(b, 1, 4) root mean square distance from the line, of the position as one and of the yaw."""
-    square = (count[..., None] * off**2).sum(axis=1) / count.sum(axis=1)[:, None]
-    position = np.sqrt(square[:, :3].sum(axis=1))
-    return np.stack([position, position, position, np.sqrt(square[:, 3])], axis=1)[:, None]
+    square = (count[:, None] @ off**2) / count.sum(axis=1)[:, None, None]
+    square[..., :3] = square[..., :3].sum(axis=2, keepdims=True)
+    return np.sqrt(square)
 
 
 def _headed(slope: Array) -> Array:
@@ -110,15 +113,14 @@ def _headed(slope: Array) -> Array:
     return turn
 
 
-def _facts(slope: Array, size: Array, duration: Array, n: int) -> Array:
-    """(b, n, 6) what the shape does not tell: absolute sizes, speed, climb, turning, and time covered."""
-    speed = np.sqrt((slope[..., :3] ** 2).sum(axis=2, keepdims=True))
-    facts = [
-        np.log10(size[..., :1] / 1e-3 + 1e-3),
-        np.log10(speed / 1e-2 + 1e-2),
-        slope[..., 2:3] / (speed + 1e-4),
-        np.log10(size[..., 3:] / 1e-2 + 1e-3),
-        np.tanh(5.0 * slope[..., 3:]),
-        duration / 2.0 - 1.0,
-    ]
-    return np.repeat(np.concatenate(facts, axis=2), n, axis=1)
+def _facts(slope: Array, size: Array, duration: Array) -> Array:
+    """(b, 6) what the shape does not tell: absolute sizes, speed, climb, turning, and time covered."""
+    speed = np.sqrt((slope[:, :3] ** 2).sum(axis=1))
+    facts = np.empty((len(slope), 6))
+    facts[:, 0] = np.log10(size[:, 0] / 1e-3 + 1e-3)
+    facts[:, 1] = np.log10(speed / 1e-2 + 1e-2)
+    facts[:, 2] = slope[:, 2] / (speed + 1e-4)
+    facts[:, 3] = np.log10(size[:, 3] / 1e-2 + 1e-3)
+    facts[:, 4] = np.tanh(5.0 * slope[:, 3])
+    facts[:, 5] = duration / 2.0 - 1.0
+    return facts
