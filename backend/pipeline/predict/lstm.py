@@ -38,12 +38,21 @@ class Forward:
         """
         n = self._hidden
         h, c = np.zeros(n, dtype=np.float32), np.zeros(n, dtype=np.float32)
-        for drive in tokens @ self._in + self._bias:
-            gates = np.tanh(self._recurrent @ h + drive)
-            gates[: 3 * n] *= 0.5
-            gates[: 3 * n] += 0.5
-            c = gates[n : 2 * n] * c + gates[:n] * gates[3 * n :]
-            h = gates[2 * n : 3 * n] * np.tanh(c)
+        gates = np.zeros(4 * n, dtype=np.float32)
+        sigmoids = gates[: 3 * n]
+        entered, kept, shown, new = gates.reshape(4, n)
+        for step, drive in enumerate(tokens @ self._in + self._bias):
+            if step:
+                np.dot(self._recurrent, h, out=gates)
+            np.add(gates, drive, out=gates)
+            np.tanh(gates, out=gates)
+            np.multiply(sigmoids, 0.5, out=sigmoids)
+            np.add(sigmoids, 0.5, out=sigmoids)
+            np.multiply(c, kept, out=c)
+            np.multiply(entered, new, out=new)
+            np.add(c, new, out=c)
+            np.tanh(c, out=h)
+            np.multiply(h, shown, out=h)
         for weight, bias in self._dense[:-1]:
             h = np.maximum(weight @ h + bias, 0.0)
         weight, bias = self._dense[-1]
