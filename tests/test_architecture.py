@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "execute")
 HEAVY = {
-    "torch": set[str](),
+    "torch": {"backend/build/predictor.py"},
     "ompl": {"backend/pipeline/plan/ompl_tree.py"},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": set[str](),

@@ -51,12 +51,19 @@ def _parser() -> argparse.ArgumentParser:
     _json(survey)
 
     build = commands.add_parser("build", help="make what the robot knows beforehand")
-    build.add_argument("what", choices=["grasps"])
+    build.add_argument("what", choices=["grasps", "predictor"])
     build.add_argument("--robot", metavar="NAME", help="default: all")
-    build.add_argument("--object", metavar="NAME", help="default: all")
+    build.add_argument("--object", metavar="NAME", help="default: all (grasps only)")
     build.add_argument("--seed", type=int, default=0)
-    build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100)")
+    build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
     _json(build)
+
+    report = commands.add_parser("report", help="measure what the robot knows beforehand")
+    report.add_argument("what", choices=["prediction"])
+    report.add_argument("--motions", type=int, default=10, metavar="N", help="of each family (default 10)")
+    report.add_argument("--families", nargs="+", metavar="NAME", help="default: all")
+    report.add_argument("--seed", type=int, default=0)
+    _json(report)
 
     bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio")
     bench.add_argument("--scenario", default="ur5_linear")

@@ -18,8 +18,14 @@ class Kalman(Config):
     """Kalman filter on position and yaw with white-noise acceleration, aware of the time between observations."""
 
     kind: Literal["kalman"] = "kalman"
-    acceleration_std_mps2: Annotated[float, Field(gt=0.0, le=10.0)] = 0.02
+    acceleration_std_mps2: Annotated[float, Field(gt=0.0, le=10.0)] = 0.005
     measurement_std_m: Annotated[float, Field(gt=0.0, le=0.1)] = 0.001
+
+
+class Lstm(Config):
+    """The paper's recurrent network, trained on linear, circular and sinusoidal motion (section IV-A)."""
+
+    kind: Literal["lstm"] = "lstm"
 
 
 class LastPose(Config):
@@ -34,7 +40,7 @@ class Oracle(Config):
     kind: Literal["oracle"] = "oracle"
 
 
-PredictorConfig = Annotated[ConstantVelocity | Kalman | LastPose | Oracle, Field(discriminator="kind")]
+PredictorConfig = Annotated[ConstantVelocity | Kalman | Lstm | LastPose | Oracle, Field(discriminator="kind")]
 
 
 class IkFilter(Config):

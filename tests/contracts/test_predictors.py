@@ -3,16 +3,19 @@
 import numpy as np
 import pytest
 
-from backend.methods.method import ConstantVelocity, Kalman, LastPose, Oracle, PredictorConfig
+from backend.methods.method import ConstantVelocity, Kalman, LastPose, Lstm, Oracle, PredictorConfig
 from backend.motions import CircularMotion, LinearMotion
 from backend.pipeline.predict import Predictor, make_predictor
 from backend.pipeline.values import Observation
 from backend.pose import Pose
 
-CAUSAL: list[PredictorConfig] = [ConstantVelocity(), Kalman(), LastPose()]
+CAUSAL: list[PredictorConfig] = [ConstantVelocity(), Kalman(), Lstm(), LastPose()]
 LINE = LinearMotion(start_m=(0.4, -0.5, 0.02), end_m=(0.4, 0.5, 0.02), start_speed_mps=0.05, end_speed_mps=0.05)
 CIRCLE = CircularMotion(
     center_m=(0.0, 0.0, 0.02), radius_m=0.4, start_angle_rad=0.3, direction=1, length_m=1.0, speed_mps=0.03
+)
+BEND = CircularMotion(
+    center_m=(0.0, 0.0, 0.02), radius_m=0.3, start_angle_rad=0.3, direction=-1, length_m=1.0, speed_mps=0.03
 )
 
 
@@ -72,12 +75,12 @@ def test_a_dropout_changes_nothing_but_what_it_hides(config: PredictorConfig):
     np.testing.assert_array_equal(a.Ts_world_object, b.Ts_world_object)
 
 
-@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman()], ids=lambda c: c.kind)
+@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman(), Lstm()], ids=lambda c: c.kind)
 def test_a_straight_belt_is_followed(config: PredictorConfig):
     assert error_m(watched(config, LINE, 2.0), LINE, 4.0) < 2e-3
 
 
-@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman()], ids=lambda c: c.kind)
+@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman(), Lstm()], ids=lambda c: c.kind)
 def test_prediction_beats_none_on_a_circle(config: PredictorConfig):
     assert error_m(watched(config, CIRCLE, 3.0), CIRCLE, 4.0) < 0.2 * error_m(
         watched(LastPose(), CIRCLE, 3.0), CIRCLE, 4.0
@@ -89,7 +92,7 @@ def test_kalman_smooths_noise_better_than_two_points_would():
     assert error_m(noisy, LINE, 5.0) < 0.01
 
 
-@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman()], ids=lambda c: c.kind)
+@pytest.mark.parametrize("config", [ConstantVelocity(), Kalman(), Lstm()], ids=lambda c: c.kind)
 def test_a_yaw_that_passes_half_a_turn_does_not_jump(config: PredictorConfig):
     predictor = make_predictor(config, forbidden)
     for k in range(40):
@@ -98,6 +101,39 @@ def test_a_yaw_that_passes_half_a_turn_does_not_jump(config: PredictorConfig):
     assert prediction is not None
     expected = Pose.from_xyz_yaw((0.3, 0.0, 0.02), 2.9 + 0.3 * 2.95)
     np.testing.assert_allclose(prediction.Ts_world_object[0], expected.matrix, atol=0.02)
+
+
+@pytest.mark.parametrize("noise_m", [0.0, 0.005])
+def test_a_learned_prediction_beats_straight_on_around_a_bend(noise_m: float):
+    def off_m(config: PredictorConfig) -> float:
+        ends = np.arange(3.0, 9.0, 0.5)
+        return float(np.mean([error_m(watched(config, BEND, end, noise_m), BEND, end + 2.0) for end in ends]))
+
+    assert off_m(Lstm()) < 0.7 * min(off_m(Kalman()), off_m(ConstantVelocity()))
+
+
+def test_a_learned_prediction_goes_straight_on_beyond_its_horizon():
+    predictor = watched(Lstm(), CIRCLE, 3.0)
+    prediction = predictor.predict(np.array([4.8, 5.0, 6.0, 7.0]))
+    assert prediction is not None
+    xyz = prediction.Ts_world_object[:, :3, 3]
+    np.testing.assert_allclose((xyz[2] - xyz[1]), 5.0 * (xyz[1] - xyz[0]), atol=1e-9)
+    np.testing.assert_allclose((xyz[3] - xyz[2]), 5.0 * (xyz[1] - xyz[0]), atol=1e-9)
+
+
+def test_a_learned_prediction_knows_the_velocity_of_now():
+    prediction = watched(Lstm(), CIRCLE, 3.0).predict(np.array([4.0]))
+    assert prediction is not None
+    np.testing.assert_allclose(prediction.velocity_mps, CIRCLE.velocity_at(3.0), atol=1e-3)
+
+
+@pytest.mark.parametrize("config", CAUSAL, ids=lambda c: c.kind)
+def test_one_detection_is_enough_to_stay(config: PredictorConfig):
+    predictor = make_predictor(config, forbidden)
+    predictor.observe(observation(0.0, LINE.pose_at(0.0)))
+    prediction = predictor.predict(np.array([0.0, 1.0]))
+    assert prediction is not None
+    np.testing.assert_allclose(prediction.Ts_world_object, [LINE.pose_at(0.0).matrix] * 2, atol=1e-12)
 
 
 def test_kalman_knows_less_the_further_it_looks():

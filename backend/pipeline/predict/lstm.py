@@ -1,0 +1,118 @@
+"""The paper's learned predictor (section IV-A), run in numpy: LSTM, two Dense, Dense(horizons x 4)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from backend.knowledge.predictor import PredictorWeights, load_weights
+from backend.pipeline.predict.heading import measured, poses, tilt_of
+from backend.pipeline.predict.window import FEATURES, HORIZONS_S, MIN_BINS, WINDOW_S, normalised
+from backend.pipeline.values import Observation, Prediction
+from backend.pose import Array
+
+Floats = NDArray[np.float32]
+ROWS = 256
+
+
+class Forward:
+    """The network's forward pass over one sequence."""
+
+    def __init__(self, weights: PredictorWeights) -> None:
+        hidden = weights.lstm_hidden.shape[1]
+        i, f, g, o = np.arange(4 * hidden).reshape(4, hidden)
+        order = np.concatenate([i, f, o, g])
+        halved = np.where(np.arange(4 * hidden) < 3 * hidden, 0.5, 1.0).astype(np.float32)[:, None]
+        self._hidden = hidden
+        self._in = np.ascontiguousarray((weights.lstm_in[order] * halved).T)
+        self._bias = weights.lstm_bias[order] * halved[:, 0]
+        self._recurrent = np.ascontiguousarray(weights.lstm_hidden[order] * halved)
+        self._dense = weights.dense
+
+    def __call__(self, tokens: Floats) -> Array:
+        """(horizons, 4) answer to tokens (n, FEATURES).
+
+        The sigmoids are taken as 1/2 + 1/2 tanh(x / 2), so that one call serves all four gates.
+        """
+        n = self._hidden
+        h, c = np.zeros(n, dtype=np.float32), np.zeros(n, dtype=np.float32)
+        gates = np.zeros(4 * n, dtype=np.float32)
+        sigmoids = gates[: 3 * n]
+        entered, kept, shown, new = gates.reshape(4, n)
+        for step, drive in enumerate(tokens @ self._in + self._bias):
+            if step:
+                np.dot(self._recurrent, h, out=gates)
+            np.add(gates, drive, out=gates)
+            np.tanh(gates, out=gates)
+            np.multiply(sigmoids, 0.5, out=sigmoids)
+            np.add(sigmoids, 0.5, out=sigmoids)
+            np.multiply(c, kept, out=c)
+            np.multiply(entered, new, out=new)
+            np.add(c, new, out=c)
+            np.tanh(c, out=h)
+            np.multiply(h, shown, out=h)
+        for weight, bias in self._dense[:-1]:
+            h = np.maximum(weight @ h + bias, 0.0)
+        weight, bias = self._dense[-1]
+        return (weight @ h + bias).reshape(-1, 4).astype(np.float64)
+
+
+class LstmPredictor:
+    """Keeps the observations of the last ``WINDOW_S``; with few of them, goes straight on along their line.
+
+    Up to 2 s ahead the states between the network's horizons are interpolated; beyond, they go on as between its
+    last two. Raises ``MissingResourceError`` or ``InvalidInputError`` when the weights are not there or not whole.
+    """
+
+    def __init__(self, path: Path | None = None) -> None:
+        self._network = Forward(load_weights(FEATURES, 4 * len(HORIZONS_S), path))
+        self._rows = np.empty((ROWS, 5))
+        self._begin = self._end = 0
+        self._tilt = np.eye(3)
+
+    def observe(self, observation: Observation) -> None:
+        if observation.T_world_object is None:
+            return
+        previous = float(self._rows[self._end - 1, 4]) if self._end else None
+        if self._end == len(self._rows):
+            self._make_room()
+        self._rows[self._end] = observation.t_s, *measured(observation, previous)
+        self._end += 1
+        while self._rows[self._begin, 0] < observation.t_s - WINDOW_S - 1e-9:
+            self._begin += 1
+        self._tilt = tilt_of(observation.T_world_object)
+
+    def predict(self, t_s: Array) -> Prediction | None:
+        if self._end == 0:
+            return None
+        kept = self._rows[self._begin : self._end]
+        known = self._known(kept)
+        ahead = self._between(known, t_s - kept[-1, 0])
+        velocity = (known[1, :3] - known[0, :3]) / (HORIZONS_S[1] - HORIZONS_S[0])
+        return Prediction(t_s, poses(ahead, self._tilt), np.zeros(len(t_s)), velocity)
+
+    def _known(self, kept: Array) -> Array:
+        """(horizons, 4) states at ``HORIZONS_S`` after the newest observation."""
+        seen = np.ones((1, len(kept)), dtype=np.bool_)
+        newest_first = kept[None, ::-1]
+        windows = normalised(kept[-1, 0] - newest_first[..., 0], newest_first[..., 1:], seen)
+        length = int(windows.lengths[0])
+        enough = length >= MIN_BINS and bool(windows.scale.any())
+        answer = self._network(windows.tokens[0, :length]) if enough else np.zeros((len(HORIZONS_S), 4))
+        return windows.states(answer[None])[0]
+
+    def _between(self, known: Array, ahead_s: Array) -> Array:
+        """(n, 4) states ``ahead_s`` (n,) after the newest observation, on straight lines between the known ones."""
+        left = np.clip(np.searchsorted(HORIZONS_S, ahead_s) - 1, 0, len(HORIZONS_S) - 2)
+        share = (ahead_s - HORIZONS_S[left]) / (HORIZONS_S[left + 1] - HORIZONS_S[left])
+        return known[left] + share[:, None] * (known[left + 1] - known[left])
+
+    def _make_room(self) -> None:
+        """Move what is kept to the front; into a larger block when it fills most of this one."""
+        kept = self._rows[self._begin : self._end].copy()
+        if 2 * len(kept) > len(self._rows):
+            self._rows = np.empty((2 * len(self._rows), 5))
+        self._rows[: len(kept)] = kept
+        self._begin, self._end = 0, len(kept)

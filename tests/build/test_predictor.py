@@ -1,0 +1,169 @@
+"""The trained predictor: how it is made, kept and run."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from backend.build.sequences import LOOKS, SequenceSettings, draw_sequences
+from backend.errors import InvalidInputError, MissingResourceError
+from backend.knowledge.predictor import PredictorWeights, load_weights, predictor_file, save_weights
+from backend.pipeline.predict.lstm import Forward, LstmPredictor
+from backend.pipeline.predict.window import FEATURES, HORIZONS_S, Windows, normalised
+from backend.pose import Array
+
+OUTPUTS = 4 * len(HORIZONS_S)
+
+
+def windows_of(states: Array) -> Windows:
+    """Of whole sequences looked at every 0.05 s."""
+    age_s = np.tile(0.05 * np.arange(LOOKS, dtype=np.float64), (len(states), 1))
+    return normalised(age_s, states, np.ones(states.shape[:2], dtype=np.bool_))
+
+
+def test_numpy_gives_what_torch_gives():
+    import torch
+
+    from backend.build.predictor import Network, exported
+
+    with torch.random.fork_rng():
+        torch.manual_seed(3)
+        network = Network()
+    drawn = draw_sequences(50, np.random.default_rng(0))
+    windows = normalised(drawn.age_s, drawn.states, drawn.seen)
+    assert len(set(windows.lengths.tolist())) > 3
+    with torch.no_grad():
+        expected = network(torch.from_numpy(windows.tokens), torch.from_numpy(windows.lengths)).numpy()
+    forward = Forward(exported(network, {}))
+    for tokens, length, answer in zip(windows.tokens, windows.lengths, expected, strict=True):
+        np.testing.assert_allclose(forward(tokens[:length]), answer, atol=1e-5)
+
+
+def test_a_killed_training_ends_as_one_that_was_not(tmp_path: Path):
+    from backend.build.predictor import PredictorSettings, build_predictor
+
+    settings = PredictorSettings(steps=6, batch=16, validation=20, checkpoint_every=2, report_every=3)
+    told: list[str] = []
+
+    def killed(text: str) -> None:
+        told.append(text)
+        if len(told) == 1:
+            raise KeyboardInterrupt
+
+    whole = build_predictor(5, tmp_path / "a.pt", told.append, settings)
+    told.clear()
+    with pytest.raises(KeyboardInterrupt):
+        build_predictor(5, tmp_path / "b.pt", killed, settings)
+    resumed = build_predictor(5, tmp_path / "b.pt", told.append, settings)
+    assert told[1] == "going on at step 2"
+    for name in ("lstm_in", "lstm_hidden", "lstm_bias"):
+        np.testing.assert_array_equal(getattr(whole, name), getattr(resumed, name))
+    assert whole.facts["validation"] == resumed.facts["validation"]
+
+
+def test_a_checkpoint_of_another_training_is_left_alone(tmp_path: Path):
+    from backend.build.predictor import PredictorSettings, build_predictor
+
+    settings = PredictorSettings(steps=2, batch=16, validation=20)
+    told: list[str] = []
+    build_predictor(5, tmp_path / "a.pt", told.append, settings)
+    build_predictor(6, tmp_path / "a.pt", told.append, settings)
+    (tmp_path / "a.pt").write_bytes((tmp_path / "a.pt").read_bytes()[:1000])
+    build_predictor(6, tmp_path / "a.pt", told.append, settings)
+    assert ["another training" in told[-2], "cannot be read" in told[-1]] == [True, True]
+
+
+def test_the_same_seed_draws_the_same_sequences():
+    a, b = (draw_sequences(20, np.random.default_rng(7)) for _ in range(2))
+    np.testing.assert_array_equal(a.states, b.states)
+    np.testing.assert_array_equal(a.future, b.future)
+    assert a.seen[:, 0].all() and (a.age_s[:, 0] == 0.0).all()
+
+
+def test_drawn_sequences_go_on_where_they_were_seen():
+    drawn = draw_sequences(200, np.random.default_rng(1), SequenceSettings(clean=1.0))
+    np.testing.assert_allclose(drawn.states[:, 0], drawn.future[:, 0], atol=1e-12)
+    step_m = np.linalg.norm(np.diff(drawn.states[..., :3], axis=1), axis=2) / np.diff(drawn.age_s, axis=1)
+    assert 0.0 < step_m.max() < 0.1 * np.sqrt(1.0 + 3.0**2)
+
+
+def test_predictions_move_and_turn_with_what_they_are_made_from():
+    weights = load_weights(FEATURES, OUTPUTS)
+    drawn = draw_sequences(20, np.random.default_rng(2))
+    cos, sin = np.cos(1.1), np.sin(1.1)
+    turn = np.array([[cos, -sin, 0, 0], [sin, cos, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    shift = np.array([0.3, -0.2, 0.1, 2.0])
+    forward = Forward(weights)
+
+    def predicted(states: Array) -> Array:
+        windows = windows_of(states)
+        return windows.states(np.array([forward(tokens) for tokens in windows.tokens]))
+
+    np.testing.assert_allclose(
+        predicted(drawn.states @ turn.T + shift), predicted(drawn.states) @ turn.T + shift, atol=1e-5
+    )
+
+
+def test_normalising_and_back_is_nothing():
+    drawn = draw_sequences(50, np.random.default_rng(4), SequenceSettings(clean=0.0, shares=(0.4, 0.3, 0.3, 0.0)))
+    windows = windows_of(drawn.states)
+    off = drawn.future - windows.states(np.zeros_like(drawn.future))
+    answer = (off @ windows.turn)[..., :3] / windows.scale[..., :3]
+    back = windows.states(np.pad(answer, ((0, 0), (0, 0), (0, 1))))
+    np.testing.assert_allclose(back[..., :3], drawn.future[..., :3], atol=1e-9)
+
+
+@pytest.mark.parametrize("rate_hz", [5.0, 20.0, 240.0])
+def test_memory_is_bounded_at_any_rate(rate_hz: float):
+    from tests.contracts.test_predictors import LINE, observation
+
+    predictor = LstmPredictor()
+    for k in range(int(15 * rate_hz)):
+        predictor.observe(observation(k / rate_hz, LINE.pose_at(k / rate_hz)))
+    prediction = predictor.predict(np.array([16.0]))
+    assert prediction is not None
+    np.testing.assert_allclose(prediction.Ts_world_object[0, :3, 3], LINE.pose_at(16.0).xyz_m, atol=1e-3)
+    assert len(predictor._rows) <= 4096  # pyright: ignore[reportPrivateUsage]
+
+
+def test_saved_weights_come_back(tmp_path: Path):
+    weights = load_weights(FEATURES, OUTPUTS)
+    again = load_weights(FEATURES, OUTPUTS, save_weights(weights, tmp_path / "w.npz"))
+    np.testing.assert_array_equal(weights.lstm_hidden, again.lstm_hidden)
+    assert again.facts == weights.facts
+    assert list(tmp_path.iterdir()) == [tmp_path / "w.npz"]
+
+
+def test_the_shipped_weights_say_how_they_were_made():
+    facts = load_weights(FEATURES, OUTPUTS).facts
+    assert {"seed", "settings", "sequences", "torch", "validation"} <= set(facts)
+
+
+def test_missing_weights_name_the_command(tmp_path: Path):
+    with pytest.raises(MissingResourceError, match=r"gone\.npz is missing.*python -m backend build predictor"):
+        LstmPredictor(tmp_path / "gone.npz")
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 0.99])
+def test_a_truncated_file_is_refused_by_name(tmp_path: Path, share: float):
+    whole = predictor_file().read_bytes()
+    (tmp_path / "cut.npz").write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(InvalidInputError, match=r"cut\.npz: not a trained predictor.*build predictor"):
+        LstmPredictor(tmp_path / "cut.npz")
+
+
+def test_a_foreign_file_is_refused_by_name(tmp_path: Path):
+    np.savez(tmp_path / "other.npz", Ts_object_grasp=np.eye(4))
+    (tmp_path / "text.npz").write_text("weights, honestly")
+    for name in ("other.npz", "text.npz"):
+        with pytest.raises(InvalidInputError, match=rf"{name}: not a trained predictor"):
+            LstmPredictor(tmp_path / name)
+
+
+def test_weights_of_another_network_are_refused(tmp_path: Path):
+    fine = load_weights(FEATURES, OUTPUTS)
+    for bad in (fine.lstm_in[:, :-1], np.full_like(fine.lstm_in, np.nan), fine.lstm_in[0]):
+        wrong = PredictorWeights(bad, fine.lstm_hidden, fine.lstm_bias, fine.dense, fine.facts)
+        path = save_weights(wrong, tmp_path / "w.npz")
+        with pytest.raises(InvalidInputError, match=r"w\.npz: not the weights of this predictor.*build predictor"):
+            LstmPredictor(path)
