@@ -21,8 +21,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"{options.command}: {error}", file=sys.stderr)
         return MISUSE
     except KeyboardInterrupt:
-        print(f"\n{options.command}: interrupted; nothing was left half-written.", file=sys.stderr)
-        return INTERRUPTED
+        return _interrupted(options.command)
+    except SystemError as error:
+        if isinstance(error.__cause__, KeyboardInterrupt):  # Ctrl-C inside a compiled kernel
+            return _interrupted(options.command)
+        raise
+
+
+def _interrupted(command: str) -> int:
+    print(f"\n{command}: interrupted; nothing was left half-written.", file=sys.stderr)
+    return INTERRUPTED
 
 
 def _parser() -> argparse.ArgumentParser:
