@@ -68,7 +68,7 @@ def _parser() -> argparse.ArgumentParser:
 
     report = commands.add_parser("report", help="measure what the robot knows beforehand")
     report.add_argument("what", choices=["prediction"])
-    report.add_argument("--motions", type=int, default=10, metavar="N", help="of each family (default 10)")
+    report.add_argument("--motions", type=int, default=3, metavar="N", help="of each family (default 3)")
     report.add_argument("--families", nargs="+", metavar="NAME", help="default: all")
     report.add_argument("--seed", type=int, default=0)
     _json(report)
