@@ -20,17 +20,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GraspingError as error:
         print(f"{options.command}: {error}", file=sys.stderr)
         return MISUSE
-    except KeyboardInterrupt:
-        return _interrupted(options.command)
-    except SystemError as error:
-        if isinstance(error.__cause__, KeyboardInterrupt):  # Ctrl-C inside a compiled kernel
-            return _interrupted(options.command)
-        raise
+    except BaseException as error:
+        if not _is_interrupt(error):
+            raise
+        print(f"\n{options.command}: interrupted; nothing was left half-written.", file=sys.stderr)
+        return INTERRUPTED
 
 
-def _interrupted(command: str) -> int:
-    print(f"\n{command}: interrupted; nothing was left half-written.", file=sys.stderr)
-    return INTERRUPTED
+def _is_interrupt(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is behind an exception: compiled code may wrap it in another."""
+    while error is not None and not isinstance(error, KeyboardInterrupt):
+        error = error.__cause__ or error.__context__
+    return error is not None
 
 
 def _parser() -> argparse.ArgumentParser:
