@@ -36,11 +36,6 @@ class Executor:
         self._stalled_since_s: float | None = None
         self._finger_rad = 0.0
 
-    @property
-    def trajectory(self) -> Trajectory:
-        """The trajectory in force."""
-        return self._current
-
     def arm_at(self, t_s: float) -> ArmState:
         """Where the arm will be commanded to be at ``t_s``, as far as is decided now."""
         upcoming = self._next
