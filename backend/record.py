@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import tempfile
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -14,6 +12,7 @@ import numpy as np
 from backend import __version__
 from backend.errors import InvalidInputError
 from backend.events import TimedEvent
+from backend.files import replacing
 from backend.pipeline.values import CycleResult, FailureReason, Outcome
 from backend.pose import Array, Pose
 from backend.scenario import Scenario
@@ -134,16 +133,10 @@ class Recorder:
         header = {"format": TRACE_FORMAT, "scenario": edited.model_dump(mode="json")}
         header["record"] = self.record().as_dict()
         try:
-            descriptor, temporary = tempfile.mkstemp(dir=path.parent, suffix=".part")
+            with replacing(path) as file:
+                np.savez_compressed(file, header=np.array(json.dumps(header)), rows=np.array(self._rows))
         except OSError as error:
             raise InvalidInputError(f"Cannot write the trace to {path}: {error.strerror}.") from error
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                np.savez_compressed(file, header=np.array(json.dumps(header)), rows=np.array(self._rows))
-            os.replace(temporary, path)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
 
 
 @dataclass(frozen=True, eq=False)

@@ -46,10 +46,10 @@ class AntipodalSampler:
     def __init__(self, robot: RobotDescription, target: ObjectDescription, rng: np.random.Generator) -> None:
         self._rng = rng
         self._hand = robot.gripper
-        sampled = trimesh.sample.sample_surface(target.visual, POINTS, seed=int(rng.integers(2**31)))
+        sampled = trimesh.sample.sample_surface(target.visual.as_trimesh(), POINTS, seed=int(rng.integers(2**31)))
         points, faces = np.asarray(sampled[0]), np.asarray(sampled[1])
         self._points = np.asarray(points, dtype=np.float64)
-        self._pairs = self._facing(np.asarray(target.visual.face_normals, dtype=np.float64)[faces])
+        self._pairs = self._facing(target.visual.face_normals[faces])
         self._weights = self._near_mass(target.center_of_mass_m, target.height_m)
 
     def __len__(self) -> int:

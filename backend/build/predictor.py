@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import math
-import os
 import zipfile
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
@@ -18,6 +17,7 @@ import torch
 from torch import Tensor, nn
 
 from backend.build.sequences import Sequences, SequenceSettings, draw_sequences
+from backend.files import replacing
 from backend.knowledge.predictor import PredictorWeights
 from backend.pipeline.predict.window import BINS_S, FEATURES, HORIZONS_S, MIN_BINS, Windows, normalised
 
@@ -195,8 +195,6 @@ def _purpose(seed: int, settings: PredictorSettings) -> str:
 
 
 def _save(run: _Run, path: Path, purpose: str) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f"{path.name}.{os.getpid()}.part")
     state = {
         "purpose": purpose,
         "step": run.step,
@@ -204,11 +202,8 @@ def _save(run: _Run, path: Path, purpose: str) -> None:
         "mean": run.mean.state_dict(),
         "optimizer": run.optimizer.state_dict(),
     }
-    try:
-        torch.save(state, aside)
-        os.replace(aside, path)
-    finally:
-        aside.unlink(missing_ok=True)
+    with replacing(path) as file:
+        torch.save(state, file)
 
 
 def _resume(run: _Run, path: Path, purpose: str, on_progress: OnProgress) -> None:

@@ -8,11 +8,11 @@ from typing import Any
 
 from backend.build.grasps import OnProgress, build_grasps
 from backend.errors import InvalidInputError, lookup
+from backend.files import cache_folder
 from backend.knowledge.grasps import GraspDatabase, save_grasps
 from backend.knowledge.predictor import save_weights
 from backend.objects import OBJECTS
 from backend.robots import ROBOTS
-from backend.robots.models import cache_folder
 
 
 def run(options: argparse.Namespace) -> int:

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-import trimesh
-from numpy.typing import NDArray
 
+from backend.directions import fibonacci_sphere
 from backend.kinematics.chain import row_of
 from backend.kinematics.collision import BodyArrays
+from backend.objects import Mesh
 from backend.pose import Array, Pose
 
 FACES_KEPT = 40
 """Of a part with more distinct faces, the largest ones; the directions of a sphere see to the rest."""
+
+EVEN_DIRECTIONS = fibonacci_sphere(162)
+"""No direction is further than 11 degrees from one of them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,10 +40,10 @@ def box_shape(name: str, size_m: tuple[float, float, float], role: int, margin_m
     return BodyShape(name, shape, role, (), np.zeros((0, 4)))
 
 
-def hull_shape(name: str, meshes: tuple[trimesh.Trimesh, ...], role: int, margin_m: float) -> BodyShape:
+def hull_shape(name: str, meshes: tuple[Mesh, ...], role: int, margin_m: float) -> BodyShape:
     """A body of convex meshes."""
-    parts = np.array([_bounding_sphere(np.asarray(mesh.vertices)) for mesh in meshes])
-    whole = _bounding_sphere(np.concatenate([np.asarray(mesh.vertices) for mesh in meshes]))
+    parts = np.array([_bounding_sphere(mesh.vertices) for mesh in meshes])
+    whole = _bounding_sphere(np.concatenate([mesh.vertices for mesh in meshes]))
     shape = np.array([*whole, 0.0, 0.0, 0.0, margin_m])
     return BodyShape(name, shape, role, tuple(_half_spaces(mesh) for mesh in meshes), parts)
 
@@ -88,24 +90,18 @@ def _pack(shapes: list[BodyShape], poses: Array) -> BodyArrays:
     )
 
 
-def _half_spaces(mesh: trimesh.Trimesh) -> Array:
+def _half_spaces(mesh: Mesh) -> Array:
     """(p, 4) supporting half-spaces: the largest faces, then even directions so that edges are not sharp.
 
     Any supporting half-space of a convex set bounds the distance from below. Beyond edges and corners faces
     alone fall short of it by up to 42 %, with the even directions by a few per cent.
     """
     normals, first = np.unique(np.round(mesh.face_normals, 3), axis=0, return_inverse=True)
-    areas = np.bincount(first.ravel(), weights=mesh.area_faces)
+    areas = np.bincount(first.ravel(), weights=mesh.face_areas_m2)
     largest = normals[np.argsort(-areas, kind="stable")[:FACES_KEPT]]
     largest = largest / np.linalg.norm(largest, axis=1, keepdims=True)
-    directions = np.concatenate([largest, _even_directions()])
-    return np.column_stack([directions, (directions @ np.asarray(mesh.vertices).T).max(axis=1)])
-
-
-@cache
-def _even_directions() -> NDArray[np.float64]:
-    """(162, 3) vertices of a twice divided icosahedron: no direction is further than 11 degrees from one."""
-    return np.asarray(trimesh.creation.icosphere(subdivisions=2).vertices)
+    directions = np.concatenate([largest, EVEN_DIRECTIONS])
+    return np.column_stack([directions, (directions @ mesh.vertices.T).max(axis=1)])
 
 
 def _bounding_sphere(points: Array) -> Array:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
@@ -13,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.errors import InvalidInputError, MissingResourceError, lookup
+from backend.files import replacing
 from backend.pose import Array
 
 Counts = NDArray[np.int64]
@@ -76,22 +75,15 @@ def read_grasps(path: Path) -> GraspDatabase:
 def save_grasps(database: GraspDatabase, path: Path | None = None) -> Path:
     """Write a database where ``load_grasps`` finds it, or to ``path``; all of it or nothing."""
     path = path or grasp_file(database.robot, database.object)
-    path.parent.mkdir(parents=True, exist_ok=True)
     facts = {**database.facts, "format": FORMAT, "robot": database.robot, "object": database.object}
-    handle, aside = tempfile.mkstemp(prefix=f".{path.stem}-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez_compressed(
-                file,
-                Ts_object_grasp=database.Ts_object_grasp,
-                lifts=database.lifts,
-                successes=database.successes,
-                facts=np.array(json.dumps(facts, sort_keys=True)),
-            )
-        Path(aside).chmod(0o644)
-        os.replace(aside, path)
-    finally:
-        Path(aside).unlink(missing_ok=True)
+    with replacing(path) as file:
+        np.savez_compressed(
+            file,
+            Ts_object_grasp=database.Ts_object_grasp,
+            lifts=database.lifts,
+            successes=database.successes,
+            facts=np.array(json.dumps(facts, sort_keys=True)),
+        )
     return path
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import itertools
 import json
-import os
-import tempfile
 import zipfile
 import zlib
 from dataclasses import dataclass, field
@@ -16,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.errors import InvalidInputError, MissingResourceError
+from backend.files import replacing
 
 Floats = NDArray[np.float32]
 FORMAT = 1
@@ -97,17 +96,10 @@ def _read(path: Path) -> PredictorWeights:
 def save_weights(weights: PredictorWeights, path: Path | None = None) -> Path:
     """Write the weights where ``load_weights`` finds them, or to ``path``; all of it or nothing."""
     path = path or predictor_file()
-    path.parent.mkdir(parents=True, exist_ok=True)
     arrays = {"lstm_in": weights.lstm_in, "lstm_hidden": weights.lstm_hidden, "lstm_bias": weights.lstm_bias}
     for k, (weight, bias) in enumerate(weights.dense):
         arrays |= {f"dense{k}_weight": weight, f"dense{k}_bias": bias}
     facts = np.array(json.dumps({**weights.facts, "format": FORMAT}, sort_keys=True))
-    handle, aside = tempfile.mkstemp(prefix=f".{path.stem}-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez_compressed(file, allow_pickle=False, facts=facts, **arrays)
-        Path(aside).chmod(0o644)
-        os.replace(aside, path)
-    finally:
-        Path(aside).unlink(missing_ok=True)
+    with replacing(path) as file:
+        np.savez_compressed(file, allow_pickle=False, facts=facts, **arrays)
     return path

@@ -7,7 +7,9 @@ from backend.objects.bottles import bleach_cleanser, mustard_bottle
 from backend.objects.boxes import cube, sugar_box
 from backend.objects.cans import potted_meat_can, tomato_soup_can
 from backend.objects.description import MakeObject, ObjectDescription
+from backend.objects.mesh import Mesh
 from backend.objects.power_drill import power_drill
+from backend.objects.store import stored
 
 OBJECTS: dict[str, MakeObject] = {
     "bleach_cleanser": bleach_cleanser,
@@ -24,8 +26,8 @@ OBSTACLES = ("tomato_soup_can", "power_drill", "bleach_cleanser")
 
 @cache
 def load_object(name: str) -> ObjectDescription:
-    """The object of that name, made once per process; raises ``NotFoundError`` naming what exists."""
-    return lookup("object", name, OBJECTS)()
+    """The object of that name, made once per user; raises ``NotFoundError`` naming what exists."""
+    return stored(name, lookup("object", name, OBJECTS))
 
 
-__all__ = ["OBJECTS", "OBSTACLES", "MakeObject", "ObjectDescription", "load_object"]
+__all__ = ["OBJECTS", "OBSTACLES", "MakeObject", "Mesh", "ObjectDescription", "load_object"]

@@ -1,10 +1,10 @@
 """The two boxes: sugar and the 5 cm cube."""
 
 import numpy as np
-import trimesh
 
 from backend.objects.description import ObjectDescription
 from backend.objects.loft import convex_hull
+from backend.objects.mesh import Mesh
 from backend.objects.ycb import YCB_SOURCE
 
 
@@ -36,7 +36,7 @@ def cube() -> ObjectDescription:
     )
 
 
-def upright_box(size_m: tuple[float, float, float]) -> trimesh.Trimesh:
+def upright_box(size_m: tuple[float, float, float]) -> Mesh:
     """Box standing on the origin."""
     signs = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (0.0, 1.0)])
     return convex_hull(signs * size_m)

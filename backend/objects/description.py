@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import trimesh
 
+from backend.objects.mesh import Mesh
+from backend.objects.outline import convex_outline
 from backend.pose import Array
 
 
@@ -19,9 +20,9 @@ class ObjectDescription:
     name: str
     title: str
     mass_kg: float
-    convex_parts: tuple[trimesh.Trimesh, ...]
+    convex_parts: tuple[Mesh, ...]
     """Convex, watertight, in the object frame; their union is the shape that physics and planners see."""
-    visual: trimesh.Trimesh
+    visual: Mesh
     """Watertight mesh in the object frame: what is drawn, and what grasps are sampled on."""
     color_rgb: tuple[int, int, int]
     lateral_friction: float = 0.7
@@ -29,27 +30,24 @@ class ObjectDescription:
     source: str = ""
     """Where the measurements come from."""
 
-    @cached_property
+    @property
     def center_of_mass_m(self) -> Array:
         """(3,) in the object frame, for uniform density."""
-        return np.asarray(self.visual.center_mass, dtype=np.float64)
+        return self.visual.center_of_mass_m
 
     @cached_property
     def inertia_kgm2(self) -> Array:
         """(3, 3) about the centre of mass, axes of the object frame, for uniform density."""
-        return np.asarray(self.visual.moment_inertia, dtype=np.float64) * (self.mass_kg / self.visual.volume)
+        return self.visual.inertia_m5 * (self.mass_kg / self.visual.volume_m3)
 
     @cached_property
     def footprint_m(self) -> Array:
         """(n, 2) counter-clockwise convex hull of the shape seen from above, in the object frame."""
-        from scipy.spatial import ConvexHull
-
-        points = np.concatenate([part.vertices[:, :2] for part in self.convex_parts])
-        return points[ConvexHull(points).vertices]
+        return convex_outline(np.concatenate([part.vertices[:, :2] for part in self.convex_parts]))
 
     @property
     def height_m(self) -> float:
-        return float(self.visual.bounds[1, 2])
+        return float(self.visual.bounds_m[1, 2])
 
 
 MakeObject = Callable[[], ObjectDescription]

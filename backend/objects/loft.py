@@ -7,11 +7,9 @@ from dataclasses import dataclass, fields
 from itertools import pairwise
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
-from scipy.spatial import ConvexHull
 
+from backend.objects.mesh import Mesh
 from backend.pose import Array
 
 
@@ -32,7 +30,7 @@ def sections_mm(*rows: tuple[float, ...]) -> tuple[Section, ...]:
     return tuple(_section_mm(*row) for row in rows)
 
 
-def loft(sections: Sequence[Section], points: int = 64, rings_per_row: int = 3) -> trimesh.Trimesh:
+def loft(sections: Sequence[Section], points: int = 64, rings_per_row: int = 3) -> Mesh:
     """Watertight surface through ``sections`` (bottom to top), closed flat at both ends.
 
     Between the sections their numbers run along monotone cubics, so the surface is smooth and stays between
@@ -41,12 +39,10 @@ def loft(sections: Sequence[Section], points: int = 64, rings_per_row: int = 3) 
     rings = [ring(section, points) for section in _refined(sections, rings_per_row)]
     low, high = rings[0].mean(axis=0), rings[-1].mean(axis=0)
     vertices = np.concatenate([*rings, [low, high]])
-    return closed_mesh(vertices, _tube_faces(len(rings), points))
+    return Mesh(vertices, _tube_faces(len(rings), points))
 
 
-def convex_bands(
-    sections: Sequence[Section], splits_m: Sequence[float] = (), points: int = 32
-) -> tuple[trimesh.Trimesh, ...]:
+def convex_bands(sections: Sequence[Section], splits_m: Sequence[float] = (), points: int = 32) -> tuple[Mesh, ...]:
     """Convex hulls of the pieces of a loft between the heights ``splits_m``, bottom to top."""
     edges = [sections[0].z_m, *splits_m, sections[-1].z_m]
     return tuple(_band(sections, low, high, points) for low, high in pairwise(edges))
@@ -66,8 +62,10 @@ def interpolated(sections: Sequence[Section], z_m: Array) -> list[Section]:
     return [Section(*row.tolist()) for row in _along(table, z_m)]
 
 
-def convex_hull(points: Array) -> trimesh.Trimesh:
+def convex_hull(points: Array) -> Mesh:
     """Convex watertight mesh around (n, 3) ``points``, its faces counter-clockwise seen from outside."""
+    from scipy.spatial import ConvexHull  # slow to import, and only needed when an object is made
+
     hull = ConvexHull(points)
     used, flat = np.unique(hull.simplices, return_inverse=True)
     faces = flat.reshape(-1, 3)
@@ -75,12 +73,7 @@ def convex_hull(points: Array) -> trimesh.Trimesh:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     inward = np.einsum("ij,ij->i", normals, hull.equations[:, :3]) < 0
     faces[inward] = faces[inward][:, ::-1]
-    return closed_mesh(points[used], faces)
-
-
-def closed_mesh(vertices: Array, faces: NDArray[np.int64]) -> trimesh.Trimesh:
-    """Mesh of exactly these vertices and faces."""
-    return trimesh.Trimesh(vertices=vertices, faces=faces, process=False)
+    return Mesh(points[used], faces)
 
 
 def _section_mm(z: float, half_x: float, half_y: float, exponent: float = 2.0, shift: float = 0.0) -> Section:
@@ -92,6 +85,8 @@ def _along(table: Array, z_m: Array) -> Array:
     if len(table) == 2:
         u = (z_m - table[0, 0])[:, None] / (table[1, 0] - table[0, 0])
         return table[0] + u * (table[1] - table[0])
+    from scipy.interpolate import PchipInterpolator
+
     return np.asarray(PchipInterpolator(table[:, 0], table)(z_m), dtype=np.float64)
 
 
@@ -102,7 +97,7 @@ def _refined(sections: Sequence[Section], rings_per_row: int) -> list[Section]:
     return interpolated(sections, np.append(between, z_m[-1]))
 
 
-def _band(sections: Sequence[Section], low_m: float, high_m: float, points: int) -> trimesh.Trimesh:
+def _band(sections: Sequence[Section], low_m: float, high_m: float, points: int) -> Mesh:
     inside = [s for s in sections if low_m < s.z_m < high_m]
     low, high = interpolated(sections, np.array([low_m, high_m]))
     return convex_hull(np.concatenate([ring(s, points) for s in (low, *inside, high)]))

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
 from backend.objects.description import ObjectDescription
 from backend.objects.loft import Section, convex_hull, ring, sections_mm
+from backend.objects.mesh import Mesh
 from backend.objects.surface_nets import surface_of
 from backend.objects.ycb import YCB_SOURCE
 from backend.pose import Array
@@ -39,7 +39,7 @@ class LyingLoft:
     def left(self) -> Array:
         return np.array([-self.along[1], self.along[0]])
 
-    def convex(self) -> trimesh.Trimesh:
+    def convex(self) -> Mesh:
         """The hull of its sections, in the object frame."""
         rings = np.concatenate([ring(section, 24) for section in self.sections])
         plane = np.asarray(self.start_m) + rings[:, [2]] * self.along + rings[:, [0]] * self.left
@@ -100,7 +100,7 @@ PARTS = (MOTOR, CLUTCH, CHUCK, UPPER_HANDLE, LOWER_HANDLE, NECK, FOOT, TRIGGER)
 def power_drill() -> ObjectDescription:
     """A pistol drill as it lies on a belt: barrel along x, handle and battery foot towards -y."""
     convex_parts = tuple(part.convex() for part in PARTS)
-    corners = np.concatenate([part.bounds for part in convex_parts])
+    corners = np.concatenate([part.bounds_m for part in convex_parts])
     visual = surface_of(union_field, corners.min(axis=0), corners.max(axis=0), CELL_M)
     return ObjectDescription(
         name="power_drill",

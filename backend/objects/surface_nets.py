@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import trimesh
 from numpy.typing import NDArray
 
-from backend.objects.loft import closed_mesh
+from backend.objects.mesh import Mesh
 from backend.pose import Array
 
 CORNERS = np.array([(i, j, k) for i in (0, 1) for j in (0, 1) for k in (0, 1)])
 EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if np.abs(CORNERS[a] - CORNERS[b]).sum() == 1)
 
 
-def surface_of(field: Callable[[Array, Array], Array], low_m: Array, high_m: Array, cell_m: float) -> trimesh.Trimesh:
+def surface_of(field: Callable[[Array, Array], Array], low_m: Array, high_m: Array, cell_m: float) -> Mesh:
     """Watertight mesh of ``field(plane (n, 2), heights (m,)) -> (n, m) < 0``, one vertex per crossed cell.
 
     ``low_m`` and ``high_m`` are (3,) corners of a box that holds the shape; the grid is centred in it, and
@@ -31,7 +30,7 @@ def surface_of(field: Callable[[Array, Array], Array], low_m: Array, high_m: Arr
     number[tuple(cells.T)] = np.arange(len(cells))
     quads = np.concatenate([_quads(values, number, axis) for axis in range(3)])
     faces = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    return closed_mesh(origin + vertices * cell_m, faces)
+    return Mesh(origin + vertices * cell_m, faces)
 
 
 def _vertices(values: Array) -> tuple[NDArray[np.int64], Array]:

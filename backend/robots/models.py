@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from backend.errors import lookup
+from backend.files import cache_folder
 from backend.pose import Array, Pose
 from backend.robots import ROBOTS
 from backend.robots.description import RobotDescription
@@ -61,12 +62,6 @@ def load_model(name: str) -> RobotModel:
         T_handroot_tcp=Pose(np.array(facts["T_handroot_tcp"])),
         spheres=spheres,
     )
-
-
-def cache_folder() -> Path:
-    """Where this user's models are kept: ``$XDG_CACHE_HOME`` or ``~/.cache``, then ``dynamic-grasping``."""
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "dynamic-grasping"
 
 
 def _make(description: RobotDescription, source: RobotSource, root: Path, folder: Path) -> None:

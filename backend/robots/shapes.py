@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import ConvexHull
 
+from backend.directions import fibonacci_sphere
 from backend.pose import Array
 
 OVERLAP_M = 1e-3
@@ -59,15 +60,6 @@ def convex_piece(points: Array, directions: int = 150) -> ConvexPiece:
 def hull_mesh(piece: ConvexPiece) -> trimesh.Trimesh:
     """The piece as a triangle mesh."""
     return trimesh.convex.convex_hull(piece.vertices)
-
-
-def fibonacci_sphere(count: int) -> Array:
-    """(count, 3) evenly spread unit vectors."""
-    i = np.arange(count) + 0.5
-    z = 1.0 - 2.0 * i / count
-    angle = i * np.pi * (3.0 - np.sqrt(5.0))
-    radius = np.sqrt(1.0 - z * z)
-    return np.stack([radius * np.cos(angle), radius * np.sin(angle), z], axis=1)
 
 
 def _best_cut(points: Array) -> tuple[float, list[Array]]:

@@ -1,12 +1,10 @@
 """Objects as mesh files for PyBullet: one OBJ per object, named by its contents, a group per convex part."""
 
 import hashlib
-import os
-import tempfile
 from pathlib import Path
 
-from backend.objects.description import ObjectDescription
-from backend.robots.models import cache_folder
+from backend.files import cache_folder, replacing
+from backend.objects import ObjectDescription
 
 
 def object_mesh_file(description: ObjectDescription) -> Path:
@@ -14,11 +12,8 @@ def object_mesh_file(description: ObjectDescription) -> Path:
     text = _obj_text(description)
     path = cache_folder() / "objects" / f"{description.name}-{hashlib.sha256(text.encode()).hexdigest()[:16]}.obj"
     if not path.is_file():
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, aside = tempfile.mkstemp(prefix=f".{description.name}-", dir=path.parent)
-        with os.fdopen(handle, "w") as file:
-            file.write(text)
-        os.replace(aside, path)
+        with replacing(path) as file:
+            file.write(text.encode())
     return path
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
-from backend.objects.description import ObjectDescription
+from backend.objects import ObjectDescription
+from backend.objects.outline import convex_outline
 from backend.pose import Array, Pose
 
 
@@ -34,8 +34,7 @@ class Prism:
 
     def joined(self, other: Prism) -> Prism:
         """The smallest prism around both: what is swept on a straight way from one to the other."""
-        points = np.concatenate([self.outline, other.outline])
-        outline = points[ConvexHull(points).vertices]
+        outline = convex_outline(np.concatenate([self.outline, other.outline]))
         return Prism(outline, min(self.low_m, other.low_m), max(self.high_m, other.high_m))
 
 

@@ -6,6 +6,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backend.objects import load_object
 from backend.pose import Array, Pose
@@ -52,7 +53,7 @@ def _shapes(name: str) -> tuple[list[Any], float]:
     return [_convex(part.vertices, part.faces) for part in parts], reach_m
 
 
-def _convex(vertices: Array, faces: Array) -> Any:
+def _convex(vertices: Array, faces: NDArray[np.int64]) -> Any:
     points, triangles = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
     for vertex in vertices:
         points.append(np.asarray(vertex, dtype=np.float64))

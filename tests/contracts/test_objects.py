@@ -9,7 +9,7 @@ import trimesh
 from scipy.spatial import ConvexHull, KDTree
 
 from backend.errors import NotFoundError
-from backend.objects import OBJECTS, OBSTACLES, load_object
+from backend.objects import OBJECTS, OBSTACLES, Mesh, load_object
 from backend.objects.bottles import BLEACH_SECTIONS, MUSTARD_SECTIONS
 from backend.objects.cans import POTTED_MEAT_SECTIONS, SOUP_SECTIONS
 from backend.objects.description import ObjectDescription
@@ -52,9 +52,9 @@ def described(request: pytest.FixtureRequest) -> ObjectDescription:
     return load_object(str(request.param))
 
 
-def distance_to_surface(mesh: trimesh.Trimesh, points: Array) -> Array:
+def distance_to_surface(mesh: Mesh, points: Array) -> Array:
     """(n,) distance to the nearest of the 40 triangles with the nearest middles."""
-    corners = np.asarray(mesh.triangles)
+    corners = mesh.triangles
     tree: Any = KDTree(corners.mean(axis=1))
     near = np.asarray(tree.query(points, k=min(40, len(corners)))[1])
     repeated = np.repeat(points, near.shape[1], axis=0)
@@ -62,29 +62,29 @@ def distance_to_surface(mesh: trimesh.Trimesh, points: Array) -> Array:
     return np.linalg.norm(closest - repeated, axis=1).reshape(near.shape).min(axis=1)
 
 
-def depth_in_union(parts: Sequence[trimesh.Trimesh], points: Array) -> Array:
+def depth_in_union(parts: Sequence[Mesh], points: Array) -> Array:
     """(n,) how far outside (positive) or inside (negative) the union of convex parts points lie."""
     return np.min([_planes(part, points) for part in parts], axis=0)
 
 
-def _planes(part: trimesh.Trimesh, points: Array) -> Array:
-    normals, corners = np.asarray(part.face_normals), np.asarray(part.triangles)[:, 0]
+def _planes(part: Mesh, points: Array) -> Array:
+    normals, corners = part.face_normals, part.triangles[:, 0]
     return (points @ normals.T - (normals * corners).sum(axis=1)).max(axis=1)
 
 
-def surface_points(mesh: trimesh.Trimesh, count: int) -> tuple[Array, Array]:
+def surface_points(mesh: Mesh, count: int) -> tuple[Array, Array]:
     """Random points (n, 3) of a surface, and the outward unit normals there."""
-    sampled: Any = cast(Any, trimesh.sample).sample_surface(mesh, count, seed=3)
-    return np.asarray(sampled[0], dtype=np.float64), np.asarray(mesh.face_normals)[sampled[1]]
+    sampled: Any = cast(Any, trimesh.sample).sample_surface(mesh.as_trimesh(), count, seed=3)
+    return np.asarray(sampled[0], dtype=np.float64), mesh.face_normals[sampled[1]]
 
 
-def union_surface_points(parts: Sequence[trimesh.Trimesh], count: int) -> Array:
+def union_surface_points(parts: Sequence[Mesh], count: int) -> Array:
     """Random points of the parts' surfaces that no other part covers."""
     points, normals = (np.concatenate(both) for both in zip(*(surface_points(p, count) for p in parts), strict=True))
     return points[depth_in_union(parts, points + 5e-4 * normals) > 0]
 
 
-def is_closed(mesh: trimesh.Trimesh) -> bool:
+def is_closed(mesh: Mesh) -> bool:
     """Every edge is run through exactly once in each direction."""
     directed = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
     there, back = {tuple(e) for e in directed.tolist()}, {tuple(e[::-1]) for e in directed.tolist()}
@@ -120,26 +120,26 @@ def test_colours_can_be_told_apart():
 def test_parts_are_convex_and_closed(described: ObjectDescription):
     for part in described.convex_parts:
         assert is_closed(part)
-        assert part.volume > 0
-        assert _planes(part, np.asarray(part.vertices)).max() < 1e-7
+        assert part.volume_m3 > 0
+        assert _planes(part, part.vertices).max() < 1e-7
 
 
 def test_the_visual_mesh_is_closed(described: ObjectDescription):
     assert is_closed(described.visual)
-    assert described.visual.volume > 0
-    assert described.visual.body_count == 1
+    assert described.visual.volume_m3 > 0
+    assert described.visual.as_trimesh().body_count == 1
 
 
 def test_the_frame_is_below_the_middle_of_the_footprint(described: ObjectDescription):
     corners = np.concatenate([part.vertices for part in described.convex_parts])
     assert abs(corners[:, 2].min()) < 1e-4
-    assert abs(described.visual.bounds[0, 2]) < 2e-4
+    assert abs(described.visual.bounds_m[0, 2]) < 2e-4
     assert np.allclose(described.footprint_m.min(axis=0) + described.footprint_m.max(axis=0), 0, atol=5e-4)
 
 
 def test_extents_are_the_measured_ones(described: ObjectDescription):
     corners = np.concatenate([part.vertices for part in described.convex_parts])
-    for extents_m in (described.visual.extents, np.ptp(corners, axis=0)):
+    for extents_m in (np.ptp(described.visual.bounds_m, axis=0), np.ptp(corners, axis=0)):
         assert np.allclose(np.asarray(extents_m) * 1000, MEASURED_MM[described.name], atol=3.0)
 
 

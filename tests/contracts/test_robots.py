@@ -236,7 +236,7 @@ def test_a_cached_model_needs_no_mesh_library():
 
 
 def test_the_cache_follows_the_users_setting(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    from backend.robots.models import cache_folder
+    from backend.files import cache_folder
 
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     assert cache_folder() == tmp_path / "dynamic-grasping"

@@ -16,7 +16,7 @@ def add_object(
     scene: viser.SceneApi, name: str, shape: ObjectDescription, color: Rgb, opacity: float | None = None
 ) -> viser.MeshHandle:
     """Add the visual mesh of an object, in the object's frame."""
-    geometry: Geometry = creased(shape.visual)
+    geometry: Geometry = creased(shape.visual.as_trimesh())
     return scene.add_mesh_simple(name, geometry.vertices, geometry.faces, color=color, opacity=opacity)
 
 
