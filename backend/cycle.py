@@ -11,7 +11,9 @@ import numpy as np
 
 from backend.kinematics import Kinematics
 from backend.knowledge.grasps import GraspDatabase
+from backend.knowledge.reachability import load_reachability
 from backend.methods import Method
+from backend.methods.method import Reachability
 from backend.pipeline.convert import convert
 from backend.pipeline.execute import ArmState
 from backend.pipeline.filter import RankContext, shortlist
@@ -69,6 +71,8 @@ class Cycle:
         self._grasps = grasps
         self._think = think
         self._rng = rng
+        ranks_by_reach = isinstance(method.filter, Reachability)
+        self._reachability = load_reachability(robot.name) if ranks_by_reach else None
         self._planner: Planner = make_planner(method.planner)
 
     def run(self, start: CycleStart, predictor: Predictor) -> CycleResult:
@@ -149,6 +153,7 @@ class Cycle:
             put_off=start.put_off,
             lift_m=self.method.execution.lift_m,
             rng=self._rng,
+            reachability=self._reachability,
         )
 
 

@@ -16,6 +16,7 @@ HEAVY = {
     "ray": set[str](),
     "duckdb": set[str](),
     "plotly": set[str](),
+    "matplotlib": {"backend/build/reach_figure.py"},
 }
 
 

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 import sys
 import time
 from typing import Any
@@ -9,8 +10,10 @@ from typing import Any
 from backend.build.grasps import OnProgress, build_grasps
 from backend.errors import InvalidInputError, lookup
 from backend.files import cache_folder
+from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import GraspDatabase, save_grasps
 from backend.knowledge.predictor import save_weights
+from backend.knowledge.reachability import save_reachability
 from backend.objects import OBJECTS
 from backend.robots import ROBOTS
 
@@ -19,7 +22,13 @@ def run(options: argparse.Namespace) -> int:
     """Build what is asked for; always 0."""
     if options.seed < 0:
         raise InvalidInputError(f"--seed must not be negative (got {options.seed})")
-    return _predictor(options) if options.what == "predictor" else _grasps(options)
+    match options.what:
+        case "predictor":
+            return _predictor(options)
+        case "reachability":
+            return _reachability(options)
+        case _:
+            return _grasps(options)
 
 
 def _grasps(options: argparse.Namespace) -> int:
@@ -41,6 +50,30 @@ def _grasps(options: argparse.Namespace) -> int:
                 print(f"{robot} {name}: {entry['grasps']} grasps, {entry['held']:.2f} of their lifts held")
     if options.json:
         print(json.dumps({"databases": built}))
+    return 0
+
+
+def _reachability(options: argparse.Namespace) -> int:
+    """The field of each arm asked for, saved when it is calibrated and checked."""
+    workers = options.workers if options.workers is not None else os.cpu_count() or 1
+    if workers < 1:
+        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
+    if options.object is not None:
+        raise InvalidInputError("--object is of grasps; a reachability field is of an arm, whatever it grasps")
+    if options.robot is not None:
+        lookup("robot", options.robot, ROBOTS)
+    from backend.build.reach_finish import finished
+
+    built: list[dict[str, Any]] = []
+    for robot in [options.robot] if options.robot else list(ROBOTS):
+        reach = finished(load_kinematics(robot), options.seed, _teller(robot, "reachability"), workers)
+        path = save_reachability(reach)
+        size_mb = path.stat().st_size / 1e6
+        built.append({"robot": robot, "file": str(path), "size_mb": size_mb, "took_s": reach.facts["took_s"]})
+        if not options.json:
+            print(f"{robot}: built and calibrated in {reach.facts['took_s']} s, {size_mb:.2f} MB")
+    if options.json:
+        print(json.dumps({"fields": built}))
     return 0
 
 

@@ -13,10 +13,19 @@ from backend.pose import Array
 
 def run(options: argparse.Namespace) -> int:
     """Print the tables; always 0."""
-    if options.motions < 1:
-        raise InvalidInputError(f"--motions must be at least 1 (got {options.motions})")
     if options.seed < 0:
         raise InvalidInputError(f"--seed must not be negative (got {options.seed})")
+    if options.what == "reachability":
+        from backend.cli.report_reachability import report_reachability
+
+        return report_reachability(options)
+    return _prediction(options)
+
+
+def _prediction(options: argparse.Namespace) -> int:
+    """How far each predictor is off, over motions, noise and time ahead."""
+    if options.motions < 1:
+        raise InvalidInputError(f"--motions must be at least 1 (got {options.motions})")
     rows: list[Errors] = []
     for row in measure(options.motions, options.seed, options.families):
         rows.append(row)

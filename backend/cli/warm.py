@@ -5,6 +5,7 @@ import json
 import time
 
 from backend.experiments.trial import run_trial
+from backend.knowledge.reachability import load_reachability
 from backend.robots import ROBOTS
 from backend.scenario import load_scenario, scenario_names, with_overrides
 
@@ -19,6 +20,7 @@ def run(options: argparse.Namespace) -> int:
         scenarios = (load_scenario(name) for name in scenario_names())
         scenario = next(scenario for scenario in scenarios if scenario.robot == robot)
         begun_s = time.perf_counter()
+        load_reachability(robot)
         run_trial(with_overrides(scenario, [f"timing.timeout_s={LONG_ENOUGH_S}"]))
         took_s[robot] = round(time.perf_counter() - begun_s, 1)
         if not options.json:

@@ -12,7 +12,7 @@ from numba.core import config
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-KERNEL_FOLDERS = ("kinematics", "pipeline/plan", "pipeline/retime", "sim")
+KERNEL_FOLDERS = ("build", "kinematics", "knowledge", "pipeline/plan", "pipeline/retime", "sim")
 
 
 def kernel(function: F) -> F:

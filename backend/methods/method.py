@@ -57,7 +57,14 @@ class RandomFilter(Config):
     keep: Annotated[int, Field(ge=1, le=100)] = 10
 
 
-FilterConfig = Annotated[IkFilter | RandomFilter, Field(discriminator="kind")]
+class Reachability(Config):
+    """Keep the grasps that lie furthest inside the reachable set, by a field computed beforehand (section IV-C)."""
+
+    kind: Literal["reachability"] = "reachability"
+    keep: Annotated[int, Field(ge=1, le=100)] = 10
+
+
+FilterConfig = Annotated[IkFilter | RandomFilter | Reachability, Field(discriminator="kind")]
 
 
 class RrtConnect(Config):

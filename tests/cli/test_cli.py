@@ -109,6 +109,9 @@ def test_bad_counts_are_refused(capsys: pytest.CaptureFixture[str]):
     assert "--trials must be at least 1" in refused(capsys, "bench", "--trials", "0")
     assert "--workers must be at least 1" in refused(capsys, "survey", "--workers", "0")
     assert "--seed must not be negative" in refused(capsys, "trial", "ur5_linear", "--seed", "-1")
+    assert "--poses must be at least 100" in refused(capsys, "report", "reachability", "--poses", "9")
+    assert "--workers must be at least 1" in refused(capsys, "build", "reachability", "--workers", "0")
+    assert "no robot named 'ur6'" in refused(capsys, "build", "reachability", "--robot", "ur6")
 
 
 def test_ctrl_c_ends_cleanly_and_leaves_no_file(tmp_path: Path):

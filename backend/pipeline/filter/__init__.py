@@ -1,9 +1,10 @@
 """filter: Candidates -> Shortlist. One file per way to rank."""
 
-from backend.methods.method import FilterConfig, IkFilter, RandomFilter
+from backend.methods.method import FilterConfig, IkFilter, RandomFilter, Reachability
 from backend.pipeline.filter.ik import shortlist_by_ik
 from backend.pipeline.filter.random import shortlist_random
 from backend.pipeline.filter.ranking import RankContext
+from backend.pipeline.filter.reachability import shortlist_by_reachability
 from backend.pipeline.values import Candidates, Shortlist
 
 __all__ = ["RankContext", "shortlist"]
@@ -16,3 +17,5 @@ def shortlist(config: FilterConfig, candidates: Candidates, context: RankContext
             return shortlist_by_ik(config, candidates, context)
         case RandomFilter():
             return shortlist_random(config, candidates, context)
+        case Reachability():
+            return shortlist_by_reachability(config, candidates, context)

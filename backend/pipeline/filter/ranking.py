@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backend.kinematics import Kinematics
+from backend.knowledge.reachability import ReachabilityField
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
 
@@ -25,3 +26,5 @@ class RankContext:
     """Indices of grasps whose approach was refused a moment ago."""
     lift_m: float
     rng: np.random.Generator
+    reachability: ReachabilityField | None = None
+    """Loaded for the methods that rank with it."""

@@ -1,0 +1,52 @@
+"""``report reachability``: how far the fields that come with the project agree with IK."""
+
+import argparse
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from backend.build.reach_figure import draw_slices
+from backend.build.reach_finish import report
+from backend.errors import InvalidInputError, lookup
+from backend.kinematics import load_kinematics
+from backend.knowledge.reachability import load_reachability
+from backend.robots import ROBOTS
+
+
+def report_reachability(options: argparse.Namespace) -> int:
+    """Print the tables, one per arm; always 0."""
+    if options.poses < 100:
+        raise InvalidInputError(f"--poses must be at least 100 (got {options.poses})")
+    if options.robot is not None:
+        lookup("robot", options.robot, ROBOTS)
+    tables: list[dict[str, Any]] = []
+    for robot in [options.robot] if options.robot else list(ROBOTS):
+        reach = load_reachability(robot)
+        if options.figures:
+            path = draw_slices(reach, Path(options.figures))
+            print(f"{robot}: slices in {path}", file=sys.stderr)
+        table = report(reach, load_kinematics(robot), options.seed, options.poses, _tell)
+        tables.append(table)
+        if not options.json:
+            _print(table)
+    if options.json:
+        print(json.dumps({"reachability": tables}))
+    return 0
+
+
+def _tell(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _print(table: dict[str, Any]) -> None:
+    print(f"{table['robot']}: {' x '.join(map(str, table['levels']))} levels")
+    print(f"  {'poses':<28} {'by':<26} {'n':>7} {'accuracy':>9} {'FP/all':>8} {'FP/unreach.':>11} {'FN/all':>8}")
+    for row in table["agreement"]:
+        print(
+            f"  {row['poses']:<28} {row['by']:<26} {row['poses_asked']:>7} {row['accuracy']:>9.4f} "
+            f"{row['false_positives']:>8.4f} {row['false_positive_rate']:>11.4f} {row['false_negatives']:>8.4f}"
+        )
+    print(f"  rank correlation with manipulability {table['manipulability_rank_correlation']:.2f}, ", end="")
+    print(f"with lasting reachability {table['lasting_rank_correlation']:.2f}")
+    print(f"  100 poses in {table['query_ms_per_100']:.3f} ms; zero shifted by {table['shift_mm']:.1f} mm")
