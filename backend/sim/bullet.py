@@ -19,7 +19,7 @@ from backend.sim.hand import HandAlone
 from backend.sim.object_files import object_mesh_file
 from backend.sim.robot import Robot
 
-__all__ = ["STEP_S", "Bullet", "Contact", "GripperDrive", "HandAlone", "Robot"]
+__all__ = ["SOLVER_ITERATIONS", "STEP_S", "Bullet", "Contact", "GripperDrive", "HandAlone", "Robot"]
 
 STEP_S = 1 / 240
 SOLVER_ITERATIONS = 100
@@ -89,6 +89,15 @@ class Bullet:
         client = self.id
         for _ in range(count):
             _p.stepSimulation(physicsClientId=client)
+
+    def remember(self) -> int:
+        """Keep where everything is and how it moves; returns a number for ``recall``."""
+        state: int = _p.saveState(physicsClientId=self.id)
+        return state
+
+    def recall(self, state: int) -> None:
+        """Put everything back to where it was. Motors and ties keep what they were last asked for."""
+        _p.restoreState(stateId=state, physicsClientId=self.id)
 
     def add_floor(self) -> int:
         """An endless floor at z = 0."""
@@ -167,6 +176,10 @@ class Bullet:
         xyz, xyzw = _frame(T_world_body)
         _p.changeConstraint(constraint, jointChildPivot=xyz, jointChildFrameOrientation=xyzw, physicsClientId=self.id)
 
+    def shift_tie(self, constraint: int, xyz_m: Array) -> None:
+        """The same without turning."""
+        _p.changeConstraint(constraint, jointChildPivot=xyz_m.tolist(), physicsClientId=self._id)
+
     def carry(self, body: int, xyz_m: Array, wxyz: Array, velocity_mps: Array) -> None:
         """Drive a free, heavy, symmetric body through the coming step: from a position, at a velocity.
 
@@ -205,9 +218,9 @@ class Bullet:
         """(position, velocity, ...) of each joint."""
         return _p.getJointStates(body, joints, physicsClientId=self.id)
 
-    def reset_joint(self, body: int, joint: int, rad: float) -> None:
-        """Put a joint at ``rad``, at rest."""
-        _p.resetJointState(body, joint, rad, 0.0, physicsClientId=self.id)
+    def reset_joint(self, body: int, joint: int, rad: float, rate_rps: float = 0.0) -> None:
+        """Put a joint at ``rad``, moving at ``rate_rps``."""
+        _p.resetJointState(body, joint, rad, rate_rps, physicsClientId=self.id)
 
     def drive(self, body: int, joint: int, rad: float, max_force: float, gain: float = 0.1) -> None:
         """A position motor on one joint."""

@@ -20,6 +20,10 @@ class GripperDrive:
         """Close from the next update on; the motor's force limit decides how hard."""
         self._goal_rad = self._gripper.closed_rad
 
+    def go_on_from(self, rad: float) -> None:
+        """Ramp on as if the target were ``rad`` now."""
+        self.target_rad = rad
+
     def update(self, dt_s: float) -> float:
         """The master's target, rad, after ``dt_s`` more."""
         most = self._gripper.close_speed_rps * dt_s

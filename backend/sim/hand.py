@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from backend.pose import Pose
+from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
 
 if TYPE_CHECKING:
@@ -44,23 +44,33 @@ class Hand:
         """T_world_link; raises ``NotFoundError`` for an unknown link."""
         return self._bullet.link_pose(self.body, link)
 
-    def command_gripper(self, rad: float) -> None:
-        """Target of the master joint for the coming steps; followers go where the master really is."""
+    def finger_rad(self) -> float:
+        """Where the master joint is."""
+        return float(self._bullet.joint_states(self.body, [self._master])[0][0])
+
+    def command_gripper(self, rad: float) -> float:
+        """Target of the master joint for the coming steps; followers go where the master is, which is returned."""
         gripper, bullet = self._gripper, self._bullet
         bullet.drive(self.body, self._master, rad, gripper.max_force, gripper.position_gain)
-        at_rad = bullet.joint_states(self.body, [self._master])[0][0]
+        at_rad = self.finger_rad()
         for follower in gripper.followers:
             joint = self._joints[follower.joint]
             bullet.drive(self.body, joint, follower.multiplier * at_rad, follower.max_force)
+        return at_rad
+
+    def place_fingers(self, rad: float, rate_rps: float) -> None:
+        """Put the master at ``rad``, moving at ``rate_rps``, and the coupled joints where they belong."""
+        self._bullet.reset_joint(self.body, self._master, rad, rate_rps)
+        for coupled in (*self._gripper.gears, *self._gripper.followers):
+            q, rate = coupled.multiplier * rad, coupled.multiplier * rate_rps
+            self._bullet.reset_joint(self.body, self._joints[coupled.joint], q, rate)
 
     def reset_fingers(self, rad: float) -> None:
         """Put the fingers at ``rad`` and couple them anew: gears remember where they were made."""
         bullet, gripper = self._bullet, self._gripper
         for gear in self._gears:
             bullet.remove_constraint(gear)
-        bullet.reset_joint(self.body, self._master, rad)
-        for coupled in (*gripper.gears, *gripper.followers):
-            bullet.reset_joint(self.body, self._joints[coupled.joint], coupled.multiplier * rad)
+        self.place_fingers(rad, 0.0)
         self._gears = [
             bullet.gear(self.body, self._master, self._joints[g.joint], g.multiplier, g.max_force, g.erp)
             for g in gripper.gears
@@ -81,10 +91,20 @@ class HandAlone(Hand):
         """Let the tcp be at ``T_world_tcp`` after the next step."""
         self._bullet.move_tie(self._tie, T_world_tcp @ self._T_tcp_root)
 
+    def shift_to(self, tcp_m: Array) -> None:
+        """Let the tcp be at ``tcp_m`` (3,) after the next step, turned as it was placed."""
+        self._bullet.shift_tie(self._tie, tcp_m + self._root_from_tcp_m)
+
+    def place(self, T_world_tcp: Pose) -> None:
+        """Be at rest at ``T_world_tcp``, the fingers as they are."""
+        T_world_root = T_world_tcp @ self._T_tcp_root
+        self._root_from_tcp_m = T_world_root.xyz_m - T_world_tcp.xyz_m
+        self._bullet.set_pose(self.body, T_world_root)
+        self._bullet.move_tie(self._tie, T_world_root)
+
     def reset(self, T_world_tcp: Pose, gripper_rad: float) -> None:
         """Be at rest at ``T_world_tcp`` with the fingers at ``gripper_rad``."""
-        self._bullet.set_pose(self.body, T_world_tcp @ self._T_tcp_root)
-        self.move_to(T_world_tcp)
+        self.place(T_world_tcp)
         self.reset_fingers(gripper_rad)
 
     def tcp(self) -> Pose:

@@ -4,19 +4,15 @@ from backend.kinematics import Kinematics
 from backend.methods.method import Execution
 from backend.pipeline.execute.approach import Approach
 from backend.pipeline.execute.cartesian import ArmState
+from backend.pipeline.execute.closing import Closing
 from backend.pipeline.execute.lift import plan_lift
 from backend.pipeline.values import Phase, Refusal
 from backend.pose import Array
-from backend.sim.bullet import GripperDrive
+from backend.sim.bullet import STEP_S, GripperDrive
 from backend.trajectory import Trajectory
 
-CLOSE_AT_MOST_S = 1.2
-"""The fingers have met whatever they will meet by then."""
 LIFT_PARTS = (1.0, 0.8, 0.6)
 """Parts of the wanted height that are tried in turn when the arm cannot follow all of it."""
-STALLED_RPS = 0.02
-"""Slower than this, closing fingers press on something."""
-STALLED_FOR_S = 0.1
 
 
 class Executor:
@@ -32,9 +28,7 @@ class Executor:
         self._config = config
         self._current = Trajectory.hold(home, 0.0)
         self._next: Trajectory | None = None
-        self._close_s = 0.0
-        self._stalled_since_s: float | None = None
-        self._finger_rad = 0.0
+        self._closing: Closing | None = None
 
     def arm_at(self, t_s: float) -> ArmState:
         """Where the arm will be commanded to be at ``t_s``, as far as is decided now."""
@@ -68,24 +62,14 @@ class Executor:
         """Go on to the next phase when its time has come; ``finger_rad`` is where the master joint really is."""
         if self.phase == "approach" and self.approach is not None and t_s >= self.approach.arrive_s:
             self.phase = "close"
-            self._close_s = t_s
+            self._closing = Closing(t_s, self._config.close_s, finger_rad)
             gripper.close()
-        elif self.phase == "close" and self._closed(t_s, finger_rad):
+        elif self._closing is not None and self.phase == "close" and self._closing.over(t_s, STEP_S, finger_rad):
             self._lift(t_s)
         elif self.phase == "lift" and t_s >= self._current.end_s and self._next is None:
             self.phase = "hold"
         elif self.phase == "hold" and t_s >= self._current.end_s + self._config.hold_s:
             self.phase = "done"
-        self._finger_rad = finger_rad
-
-    def _closed(self, t_s: float, finger_rad: float) -> bool:
-        """Whether the fingers have stopped on something, or have had their time."""
-        moving = abs(finger_rad - self._finger_rad) * 240.0 > STALLED_RPS
-        since = self._stalled_since_s
-        self._stalled_since_s = None if moving else (t_s if since is None else since)
-        closing_s = t_s - self._close_s
-        stalled = self._stalled_since_s is not None and t_s - self._stalled_since_s >= STALLED_FOR_S
-        return closing_s >= self._config.close_s and (stalled or closing_s >= CLOSE_AT_MOST_S)
 
     def _lift(self, t_s: float) -> None:
         """Straight up as far as was asked, or as far as the arm can."""

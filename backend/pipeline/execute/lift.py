@@ -9,22 +9,28 @@ from backend.pipeline.values import Refusal
 from backend.pose import Array
 from backend.trajectory import Trajectory
 
-SHORTEST_S = 1.0
+SHORTEST_LIFT_S = 1.0
 COAST_S = 0.4
 STRETCHES = 6
 
 
+def lift_way(t_s: Array, velocity_mps: Array, duration_s: float, lift_m: float) -> Array:
+    """(n, 3) where the hand has gone ``t_s`` (n,) after the lift began at ``velocity_mps`` (3,)."""
+    coasted = velocity_mps * COAST_S / 2
+    way = coasted + to_zero(-coasted, velocity_mps, COAST_S, t_s)
+    way[:, 2] += lift_m + to_zero(np.array([-lift_m]), np.zeros(1), duration_s, t_s)[:, 0]
+    return way
+
+
 def plan_lift(kinematics: Kinematics, velocity_rps: Array, arm: ArmState, lift_m: float) -> Trajectory | Refusal:
-    """Raise the tcp by ``lift_m`` as fast as the joints allow, at least ``SHORTEST_S`` long."""
+    """Raise the tcp by ``lift_m`` as fast as the joints allow, at least ``SHORTEST_LIFT_S`` long."""
     T0 = kinematics.fk(arm.q)
     velocity = (kinematics.jacobian(arm.q) @ arm.qd)[:3]
-    duration_s = SHORTEST_S
+    duration_s = SHORTEST_LIFT_S
     for _ in range(STRETCHES):
         t_s = knot_times(duration_s)
         Ts = np.tile(T0, (len(t_s), 1, 1))
-        coasted = velocity * COAST_S / 2
-        Ts[:, :3, 3] += coasted + to_zero(-coasted, velocity, COAST_S, t_s)
-        Ts[:, 2, 3] += lift_m + to_zero(np.array([-lift_m]), np.zeros(1), duration_s, t_s)[:, 0]
+        Ts[:, :3, 3] += lift_way(t_s, velocity, duration_s, lift_m)
         trajectory = follow(kinematics, arm, t_s, Ts)
         if trajectory is None:
             return Refusal("the arm cannot follow a straight lift on one IK branch")
