@@ -163,7 +163,7 @@ class Rig:
         if start == len(stations) - 1:
             return
         steps = round(self.settings.execution.approach_s / STEP_S)
-        t_s = STEP_S * np.arange(1, steps + 1)
+        t_s = np.linspace(STEP_S, steps * STEP_S, steps)
         back_m = to_zero(np.array([stations[0]]), np.zeros(1), steps * STEP_S, t_s)[:, 0]
         self._move([self._on_the_way(grasp, b).xyz_m for b in back_m[back_m < stations[start]].tolist()])
 
@@ -204,7 +204,8 @@ class Rig:
         s = self.settings
         lift_m = s.execution.lift_m
         gripped, low_m = self._seen_from_tcp(), self._height_m()
-        t_s = STEP_S * np.arange(1, round(s.lift_s / STEP_S) + 1)
+        steps = round(s.lift_s / STEP_S)
+        t_s = np.linspace(STEP_S, steps * STEP_S, steps)
         way = lift_way(t_s, velocity, s.lift_s, lift_m) - t_s[:, None] * velocity
         half = len(way) // 2
         places = grasp.xyz_m + way

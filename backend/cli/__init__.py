@@ -65,7 +65,7 @@ def _parser() -> argparse.ArgumentParser:
     build.add_argument("--object", metavar="NAME", help="default: all (grasps only)")
     build.add_argument("--seed", type=int, default=0)
     build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
-    build.add_argument("--workers", type=int, metavar="N", help="default: one per core (reachability only)")
+    build.add_argument("--workers", type=int, metavar="N", help="default: one per core (grasps, reachability)")
     _json(build)
 
     report = commands.add_parser("report", help="measure what the robot knows beforehand")
