@@ -36,6 +36,11 @@ SECTOR_SHARE = 1 / 12
 SECTOR_LAG = 0.15
 """Every sector's best go on, up to this share of the places, unless their rate lies that far behind the best."""
 
+BRISK = RigSettings(
+    execution=Execution(approach_s=0.5), close_at_most_s=0.5, lift_s=0.3, hold_s=0.15, solver_iterations=60
+)
+"""Run time's motions, done quicker: harder on a grasp, and cheaper to simulate."""
+
 
 @dataclass(frozen=True)
 class GraspSettings:
@@ -45,10 +50,9 @@ class GraspSettings:
     """Distinct annealed grasps."""
     chains: int = 60_000
     """Annealing chains run at most for them."""
-    rounds: tuple[tuple[int, int], ...] = ((5000, 1), (900, 3), (350, 8), (200, 20), (130, 50))
+    rounds: tuple[tuple[int, int], ...] = ((5000, 1), (700, 3), (300, 8), (180, 20), (120, 50))
     """(how many of the best go on, lifts that each of them has had at the end) of every round."""
-    rig: RigSettings = field(default_factory=lambda: RigSettings(lift_s=0.4, hold_s=0.2, solver_iterations=60))
-    """A brisk lift: harder on a grasp than run time's, and quicker."""
+    rig: RigSettings = BRISK
     noise: Noise = field(default_factory=Noise)
 
 

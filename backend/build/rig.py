@@ -9,7 +9,7 @@ import numpy as np
 
 from backend.methods.method import Execution
 from backend.objects import ObjectDescription
-from backend.pipeline.execute import SHORTEST_LIFT_S, Closing, lift_way
+from backend.pipeline.execute import CLOSE_AT_MOST_S, SHORTEST_LIFT_S, Closing, lift_way
 from backend.pipeline.execute.blend import to_zero
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
@@ -17,6 +17,8 @@ from backend.sim.bullet import SOLVER_ITERATIONS, STEP_S, Bullet, GripperDrive
 from backend.tasks.setup import tray_size_m
 
 SETTLE_STEPS = 60
+STATION_M = 0.005
+"""On the way in the hand's distance to everything is looked at so often."""
 FINGER_M = 0.13
 """No point of a finger is further from the axis it turns about."""
 MOST_GAP_M = 0.05
@@ -30,6 +32,7 @@ class RigSettings:
 
     execution: Execution = field(default_factory=Execution)
     """Approach, closing and lift, as at run time."""
+    close_at_most_s: float = CLOSE_AT_MOST_S
     lift_s: float = SHORTEST_LIFT_S
     solver_iterations: int = SOLVER_ITERATIONS
     hold_s: float = 0.3
@@ -135,9 +138,9 @@ class Rig:
         return Pose.of((0.0, 0.0, self._tray_top_m)) @ T_object_grasp
 
     def _stations(self) -> list[float]:
-        """Distances back from the grasp, from the pregrasp on, at most a centimetre apart."""
+        """Distances back from the grasp, from the pregrasp on, at most ``STATION_M`` apart."""
         back_m = self.model.description.backoff_m
-        return np.linspace(back_m, 0.0, int(np.ceil(back_m / 0.01)) + 1).tolist()
+        return np.linspace(back_m, 0.0, int(np.ceil(back_m / STATION_M)) + 1).tolist()
 
     def _on_the_way(self, grasp: Pose, back_m: float) -> Pose:
         return grasp @ Pose.of((0.0, 0.0, -back_m))
@@ -176,7 +179,8 @@ class Rig:
             step += 1
             finger_rad = self._drive_hand()
             self._bullet.step()
-            if closing.over(step * STEP_S, STEP_S, finger_rad):
+            t_s = step * STEP_S
+            if closing.over(t_s, STEP_S, finger_rad) or t_s >= self.settings.close_at_most_s:
                 return
 
     def _skip_empty_closing(self) -> None:
