@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from backend.errors import InvalidInputError
+
 
 def cache_folder() -> Path:
     """Where what can be made again is kept: ``$XDG_CACHE_HOME`` or ``~/.cache``, then ``dynamic-grasping``."""
@@ -38,3 +40,11 @@ def replacing(path: Path) -> Generator[BinaryIO]:
         os.replace(aside, path)
     finally:
         Path(aside).unlink(missing_ok=True)
+
+
+def remove(path: Path) -> None:
+    """Remove a file, if it is there; raises ``InvalidInputError`` when it stays."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise InvalidInputError(f"Cannot remove {path}: {error.strerror}.") from error

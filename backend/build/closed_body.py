@@ -30,7 +30,7 @@ def closed_body(raw: trimesh.Trimesh, name: str) -> tuple[Mesh, tuple[str, ...]]
         if not mesh.is_watertight:
             raise InvalidInputError(
                 f"{name} is not closed: {edges} of its edges do not join exactly two triangles, and its holes "
-                "could not be closed. Close them first (Blender: 3D-Print Toolbox, Make Manifold; MeshLab: Close Holes)."
+                "could not be closed. Close them (Blender: 3D-Print Toolbox, Make Manifold; MeshLab: Close Holes)."
             )
         repairs.append(f"closed its holes ({edges} open edges)")
     if not mesh.is_winding_consistent or mesh.volume < 0:

@@ -60,7 +60,7 @@ def closed_parts(corners: list[Array], visual: Mesh) -> tuple[Mesh, ...]:
 
 
 def union_volume_m3(parts: tuple[Mesh, ...], seed: int) -> float:
-    """Volume of the union of convex parts, by random points; off by about 0.3 %."""
+    """Volume of the union of convex parts, by random points; off by about half a percent."""
     corners = np.concatenate([part.vertices for part in parts])
     low, high = corners.min(axis=0), corners.max(axis=0)
     points = np.random.default_rng(seed).uniform(low, high, (SAMPLES, 3))

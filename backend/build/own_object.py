@@ -120,7 +120,7 @@ def hands_around(described: ObjectDescription, seed: int) -> tuple[str, ...]:
 
 
 def _as_it_rests(path: Path, wanted: Wanted, body: Mesh, corners: list[Array]) -> tuple[ObjectDescription, Rest, bool]:
-    """The object lying the likeliest way, or upright if so wanted; whether it is steady, and if one way is, that way."""
+    """The object lying the likeliest steady way (or upright, if so wanted), and whether that is steady."""
     ways = rests(body, wanted.seed)
     if wanted.upright:
         ways = [way for way in ways if is_upright(way)]
@@ -135,8 +135,8 @@ def _as_it_rests(path: Path, wanted: Wanted, body: Mesh, corners: list[Array]) -
                 return described, way, True
     if not standing:
         raise InvalidInputError(
-            f"{path.name} does not stay where it is put: it rolls or rocks in simulation. Give it a flat place to stand "
-            f"on{', or leave out --upright' if wanted.upright else ''}."
+            f"{path.name} does not stay where it is put: it rolls or rocks in simulation. Give it a flat place to "
+            f"stand on{', or leave out --upright' if wanted.upright else ''}."
         )
     return *standing[0], False
 
@@ -144,9 +144,9 @@ def _as_it_rests(path: Path, wanted: Wanted, body: Mesh, corners: list[Array]) -
 def _lying(path: Path, wanted: Wanted, body: Mesh, corners: list[Array], way: Rest) -> ObjectDescription:
     """The object in its own frame, if it lies that way."""
     T_object_file = _placed(body, way)
-    visual = _moved(body.vertices, T_object_file)
-    parts = closed_parts([_moved(points, T_object_file) for points in corners], Mesh(visual, body.faces))
-    return _described(path, wanted, Mesh(visual, body.faces), parts)
+    visual = Mesh(_moved(body.vertices, T_object_file), body.faces)
+    parts = closed_parts([_moved(points, T_object_file) for points in corners], visual)
+    return _described(path, wanted, visual, parts)
 
 
 def _placed(body: Mesh, way: Rest) -> Array:

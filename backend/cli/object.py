@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from backend.errors import InvalidInputError, NotFoundError, not_found_text
+from backend.files import remove
 from backend.knowledge.grasps import grasp_file, remove_grasps
 from backend.objects import OBJECTS, ObjectDescription, load_object, object_names
 from backend.objects.own import own_file, own_names, save_own
@@ -90,7 +91,7 @@ def _remove(options: argparse.Namespace) -> int:
         raise NotFoundError(not_found_text("object of your own", name, own_names()))
     path = own_file(name)
     remove_grasps(name)
-    path.unlink(missing_ok=True)
+    remove(path)
     print(json.dumps({"removed": name, "file": str(path)}) if options.json else f"{name}: removed, with its grasps")
     return 0
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.errors import InvalidInputError, MissingResourceError, lookup
-from backend.files import data_folder, replacing
+from backend.files import data_folder, remove, replacing
 from backend.objects import OBJECTS, object_names
 from backend.pose import Array
 
@@ -89,10 +89,13 @@ def save_grasps(database: GraspDatabase, path: Path | None = None) -> Path:
 
 
 def remove_grasps(object: str) -> None:
-    """Forget every hand's grasps of a user's object, as when it is no longer what it was."""
+    """Forget every hand's grasps of a user's object, as when it is no longer what it was.
+
+    Raises ``InvalidInputError`` when a file cannot be removed.
+    """
     assert object not in OBJECTS, "the project's databases stay"
     for path in (data_folder() / "grasps").glob(f"*/{object}.npz"):
-        path.unlink(missing_ok=True)
+        remove(path)
 
 
 def grasp_file(robot: str, object: str) -> Path:
