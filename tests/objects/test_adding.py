@@ -33,7 +33,12 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def made_of(mesh: trimesh.Trimesh, folder: Path, ending: str = "stl", **wishes: Any) -> Made:
     path = meshes.written(mesh, folder / f"thing.{ending}")
-    return make_own(path, Wanted(**{"name": "thing", "mass_kg": 0.2, **wishes}), NO_NEWS)
+    return make_own(path, wanted(**wishes), NO_NEWS)
+
+
+def wanted(**wishes: Any) -> Wanted:
+    defaults: dict[str, Any] = {"name": "thing", "mass_kg": 0.2}
+    return Wanted(**(defaults | wishes))
 
 
 @pytest.fixture(scope="module")
@@ -220,12 +225,12 @@ def test_a_file_that_cannot_be_read_is_named(case: str, tmp_path: Path):
     name, content, words = REFUSED_FILES[case]
     (tmp_path / name).write_bytes(content)
     with pytest.raises(InvalidInputError, match=words):
-        make_own(tmp_path / name, Wanted("thing", 0.2), NO_NEWS)
+        make_own(tmp_path / name, wanted(), NO_NEWS)
 
 
 def test_a_missing_file_is_named(tmp_path: Path):
     with pytest.raises(InvalidInputError, match=r"There is no mesh file .*nowhere\.stl"):
-        make_own(tmp_path / "nowhere.stl", Wanted("thing", 0.2), NO_NEWS)
+        make_own(tmp_path / "nowhere.stl", wanted(), NO_NEWS)
 
 
 def test_a_large_file_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -234,7 +239,7 @@ def test_a_large_file_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: 
         file.truncate(201_000_000)
     monkeypatch.setattr(Path, "open", pytest.fail)
     with pytest.raises(InvalidInputError, match=r"large\.stl has 201 MB, more than 200"):
-        make_own(path, Wanted("thing", 0.2), NO_NEWS)
+        make_own(path, wanted(), NO_NEWS)
 
 
 def test_too_many_triangles_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -261,7 +266,7 @@ def test_too_many_triangles_are_refused(tmp_path: Path, monkeypatch: pytest.Monk
 )
 def test_wishes_that_cannot_be_are_refused(wishes: dict[str, Any], words: str):
     with pytest.raises(InvalidInputError, match=words):
-        Wanted(**{"name": "thing", "mass_kg": 0.2, **wishes})
+        wanted(**wishes)
 
 
 def test_a_kept_object_appears_and_is_what_was_made(own: Path, mug: Made):
