@@ -1,7 +1,5 @@
-"""Objects of users: what is made of a mesh, against trimesh and physics, and what is refused and how."""
+"""Objects of users: what is made of a mesh, against Qhull, formulas and physics."""
 
-import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -10,35 +8,14 @@ import pytest
 import trimesh
 from scipy.spatial import ConvexHull
 
-from backend.build import mesh_file
-from backend.build.own_object import Made, Wanted, make_own
+from backend.build.mesh_file import read_mesh
+from backend.build.own_object import Made, make_own
 from backend.build.resting import is_steady, rests
-from backend.errors import GraspingError, InvalidInputError, NotFoundError
-from backend.knowledge.grasps import GraspDatabase, grasp_file, load_grasps, remove_grasps, save_grasps
-from backend.objects import OBJECTS, Mesh, load_object, object_names
-from backend.objects.own import load_own, own_file, own_names, save_own
+from backend.objects import Mesh, load_object
 from backend.pose import Array, Pose, rotation_angle_rad
 from backend.sim.bullet import STEP_S, Bullet
 from tests.objects import meshes
-
-NO_NEWS: Callable[[str], None] = lambda _: None  # noqa: E731
-
-
-@pytest.fixture
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty data folder."""
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    return tmp_path / "data" / "dynamic-grasping"
-
-
-def made_of(mesh: trimesh.Trimesh, folder: Path, ending: str = "stl", **wishes: Any) -> Made:
-    path = meshes.written(mesh, folder / f"thing.{ending}")
-    return make_own(path, wanted(**wishes), NO_NEWS)
-
-
-def wanted(**wishes: Any) -> Wanted:
-    defaults: dict[str, Any] = {"name": "thing", "mass_kg": 0.2}
-    return Wanted(**(defaults | wishes))
+from tests.objects.making import made_of, silent, wanted
 
 
 @pytest.fixture(scope="module")
@@ -169,150 +146,20 @@ def test_hands_are_told_apart_by_their_opening(tmp_path: Path, mug: Made):
     assert set(mug.hands) <= {"mico", "ur5_robotiq"} and mug.hands
 
 
-REFUSED_MESHES: dict[str, tuple[trimesh.Trimesh, dict[str, Any], str]] = {
-    "millimetres": (meshes.mug(), {}, r"thing.stl would be 90 m long .* --scale 0.001 if .*millimetres \(9 cm\)"),
-    "divided twice": (meshes.box(4e-5, 5e-5, 1e-4), {}, r"0.1 mm long .* --scale 1000 if .* divided by 1000"),
-    "no unit": (meshes.box(1e6, 1e6, 1e6), {}, r"What would work: a --scale between 1e-08 and 5e-07"),
-    "two units": (meshes.box(6, 6, 10), {}, r"--scale 0.01 if .* centimetres \(10 cm\), or --scale 0.0254 if"),
-    "two bodies": (
-        meshes.apart(meshes.box(0.05, 0.05, 0.05), meshes.box(0.03, 0.03, 0.03)),
-        {},
-        r"holds 2 separate bodies \(longest sides: 5 cm, 3 cm\).*Boolean, Union",
-    ),
-    "torn": (meshes.torn(meshes.box(0.05, 0.05, 0.05)), {}, r"thing.stl is not closed: \d+ of .*Make Manifold"),
-    "flat": (meshes.box(0.05, 0.05, 1e-9), {}, r"thing.stl encloses no volume: it is flat"),
-    "too thick": (meshes.box(0.15, 0.15, 0.15), {}, r"No hand can hold thing.stl \(15 x 15 x 15 cm\).*opens 11 cm"),
-    "too thin": (meshes.box(0.2, 0.15, 0.004), {}, r"No hand can hold thing.stl .*at least 1 cm apart"),
-    "grams": (meshes.box(0.02, 0.02, 0.02), {"mass_kg": 4.0}, r"holds 8 cm\^3; with --mass-kg 4 .*denser than any"),
-}  # fmt: skip
+def test_a_scenes_transforms_count(tmp_path: Path):
+    scene = cast(Any, trimesh).Scene()
+    T = np.diag([1e-3, 1e-3, 1e-3, 1.0])
+    T[:3, 3] = 0.1, 0.0, 0.2
+    scene.add_geometry(meshes.box(40, 50, 100), transform=T)
+    scene.export(str(tmp_path / "scene.glb"))
+    assert np.allclose(read_mesh(tmp_path / "scene.glb", 1.0).extents, (0.04, 0.10, 0.05))
 
 
-@pytest.mark.parametrize("case", REFUSED_MESHES)
-def test_a_mesh_that_cannot_be_an_object_is_answered_with_what_would_work(case: str, tmp_path: Path):
-    mesh, wishes, words = REFUSED_MESHES[case]
-    with pytest.raises(InvalidInputError, match=words):
-        made_of(mesh, tmp_path, **wishes)
-
-
-def test_an_upright_that_tips_over_is_refused(tmp_path: Path):
-    leaning = meshes.box(0.03, 0.03, 0.12)
-    leaning.apply_transform(cast(Any, trimesh.transformations).rotation_matrix(0.7, (1, 0, 0)))
-    with pytest.raises(InvalidInputError, match=r"tips over when it is put down upright; leave out --upright"):
-        made_of(leaning, tmp_path, upright=True)
-
-
-OBJ_NAN = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 nan\nv 0 0 0.1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
-REFUSED_FILES: dict[str, tuple[str, bytes, str]] = {
-    "empty": ("a.stl", b"", r"a\.stl is empty"),
-    "no triangles": ("a.obj", b"v 0 0 0\nv 1 0 0\n", r"a\.obj"),
-    "not finite": ("a.obj", OBJ_NAN.encode(), r"a\.obj: 1 of its 4 vertices are not finite"),
-    "a cloud": (
-        "a.ply",
-        b"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n"
-        b"end_header\n0 0 0\n",
-        r"a\.ply holds no triangles",
-    ),
-    "broken glb": ("a.glb", b"glTF but not really", r"a\.glb is not a \.glb mesh that can be read \("),
-    "broken ply": ("a.ply", b"ply\nformat nonsense\n", r"a\.ply is not a \.ply mesh that can be read \("),
-    "broken stl": ("a.stl", b"\x00" * 100, r"a\.stl"),
-    "unsupported": ("a.step", b"ISO-10303-21;", r"\.step files are not read. Export it as one of: \.obj, \.stl"),
-    "no ending": ("a", b"x", r"files without an ending are not read"),
-}
-
-
-@pytest.mark.parametrize("case", REFUSED_FILES)
-def test_a_file_that_cannot_be_read_is_named(case: str, tmp_path: Path):
-    name, content, words = REFUSED_FILES[case]
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(InvalidInputError, match=words):
-        make_own(tmp_path / name, wanted(), NO_NEWS)
-
-
-def test_a_missing_file_is_named(tmp_path: Path):
-    with pytest.raises(InvalidInputError, match=r"There is no mesh file .*nowhere\.stl"):
-        make_own(tmp_path / "nowhere.stl", wanted(), NO_NEWS)
-
-
-def test_a_large_file_is_refused_before_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    path = tmp_path / "large.stl"
-    with path.open("wb") as file:
-        file.truncate(201_000_000)
-    monkeypatch.setattr(Path, "open", pytest.fail)
-    with pytest.raises(InvalidInputError, match=r"large\.stl has 201 MB, more than 200"):
-        make_own(path, wanted(), NO_NEWS)
-
-
-def test_too_many_triangles_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(mesh_file, "MOST_TRIANGLES", 11)
-    with pytest.raises(InvalidInputError, match=r"has 12 triangles, more than 11\. Simplify it first"):
-        made_of(meshes.box(0.05, 0.05, 0.05), tmp_path)
-
-
-@pytest.mark.parametrize(
-    ("wishes", "words"),
-    [
-        ({"name": "Mug"}, "--name is of lower-case letters"),
-        ({"name": "../mug"}, "--name is of lower-case letters"),
-        ({"name": "cube"}, "cube is the name of an object that comes with the project"),
-        ({"mass_kg": 300.0}, r"--mass-kg must be between 0.001 and 5 \(got 300\)"),
-        ({"mass_kg": float("nan")}, r"--mass-kg must be between .*got nan"),
-        ({"scale": 0.0}, "--scale must be between"),
-        ({"friction": -1.0}, "--friction must be between"),
-        ({"most_parts": 0}, "--parts must be between 1 and 64"),
-        ({"concavity": 0.0}, "--concavity must be between"),
-        ({"seed": -1}, "--seed must be between"),
-        ({"color": "red"}, "--color is six hexadecimal digits"),
-    ],
-)
-def test_wishes_that_cannot_be_are_refused(wishes: dict[str, Any], words: str):
-    with pytest.raises(InvalidInputError, match=words):
-        wanted(**wishes)
-
-
-def test_a_kept_object_appears_and_is_what_was_made(own: Path, mug: Made):
-    assert own_names() == () and object_names() == tuple(OBJECTS)
-    described = dataclasses.replace(mug.described, name="mug", color_rgb=(1, 2, 3), lateral_friction=0.4)
-    path = save_own(described)
-    assert path == own / "objects" / "mug.npz" and [p.name for p in path.parent.iterdir()] == ["mug.npz"]
-    assert object_names() == (*OBJECTS, "mug")
-    read = load_object("mug")
-    for field in ("name", "title", "mass_kg", "color_rgb", "lateral_friction", "spinning_friction", "source"):
-        assert getattr(read, field) == getattr(described, field)
-    for a, b in zip((read.visual, *read.convex_parts), (described.visual, *described.convex_parts), strict=True):
-        assert np.array_equal(a.vertices, b.vertices) and np.array_equal(a.faces, b.faces)
-    with pytest.raises(NotFoundError, match=r"no object named 'mugg'. Available: .*mug.* mean 'mug'"):
-        load_object("mugg")
-
-
-def test_a_replaced_object_is_read_anew(own: Path, mug: Made):
-    save_own(mug.described)
-    assert load_own("thing").title == "Thing"
-    save_own(dataclasses.replace(mug.described, title="Another"))
-    assert load_own("thing").title == "Another"
-
-
-@pytest.mark.parametrize("damage", [b"", b"not a zip", b"PK\x03\x04 cut short"])
-def test_a_damaged_object_names_its_file_and_what_to_do(own: Path, damage: bytes):
-    own_file("thing").parent.mkdir(parents=True)
-    own_file("thing").write_bytes(damage)
-    with pytest.raises(InvalidInputError, match=r"thing\.npz: not an object .*add FILE --name thing .*--replace"):
-        load_object("thing")
-
-
-def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mug: Made):
-    (tmp_path / "file").write_text("")
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "file"))
-    with pytest.raises(InvalidInputError, match=r"Cannot write .*thing\.npz"):
-        save_own(mug.described)
-
-
-def test_grasps_of_an_own_object_lie_with_it_and_go_with_it(own: Path, mug: Made):
-    save_own(mug.described)
-    with pytest.raises(GraspingError, match="python -m backend build grasps --robot mico --object thing"):
-        load_grasps("mico", "thing")
-    save_grasps(GraspDatabase("mico", "thing", np.eye(4)[None], np.array([1]), np.array([1])))
-    assert grasp_file("mico", "thing") == own / "grasps" / "mico" / "thing.npz"
-    assert len(load_grasps("mico", "thing")) == 1
-    assert own not in grasp_file("mico", "cube").parents
-    remove_grasps("thing")
-    assert not grasp_file("mico", "thing").exists()
+def test_seams_of_a_texture_tear_nothing(tmp_path: Path):
+    corners = [f"v {x} {y} {z}" for x in (0, 0.05) for y in (0, 0.05) for z in (0, 0.05)]
+    quads = ((1, 2, 4, 3), (5, 7, 8, 6), (1, 5, 6, 2), (3, 4, 8, 7), (1, 3, 7, 5), (2, 6, 8, 4))
+    faces = ["f " + " ".join(f"{v}/{i + 1}" for i, v in enumerate(quad)) for quad in quads]
+    lines = ["mtllib nowhere.mtl", *corners, "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1", *faces]
+    (tmp_path / "textured.obj").write_text("\n".join(lines))
+    made = make_own(tmp_path / "textured.obj", wanted(), silent)
+    assert made.repairs == () and made.described.visual.volume_m3 == pytest.approx(1.25e-4)
