@@ -14,7 +14,7 @@ from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import GraspDatabase, save_grasps
 from backend.knowledge.predictor import save_weights
 from backend.knowledge.reachability import save_reachability
-from backend.objects import OBJECTS
+from backend.objects import OBJECTS, object_names
 from backend.robots import ROBOTS
 
 
@@ -36,7 +36,7 @@ def _grasps(options: argparse.Namespace) -> int:
     workers = _workers(options)
     if options.count < 1:
         raise InvalidInputError(f"--count must be at least 1 (got {options.count})")
-    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, OBJECTS)):
+    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
         if name is not None:
             lookup(kind, name, dict.fromkeys(table))
     built: list[dict[str, Any]] = []
