@@ -112,8 +112,9 @@ def test_what_is_not_a_trace_is_refused(tmp_path: Path):
 
 
 def test_a_trace_that_cannot_be_written_says_so(tmp_path: Path):
+    (tmp_path / "file").touch()
     with pytest.raises(InvalidInputError, match="Cannot write the trace"):
-        run_trial(scenario("ur5_linear", "timing.timeout_s=0.5"), 1, tmp_path / "no" / "folder.npz")
+        run_trial(scenario("ur5_linear", "timing.timeout_s=0.5"), 1, tmp_path / "file" / "trial.npz")
 
 
 def test_a_belt_out_of_reach_ends_with_its_reason():

@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from backend.build.hand_points import hand_points
 from backend.build.object_field import FieldArrays, ObjectField, distance_at
@@ -67,13 +66,14 @@ class Annealer:
         self._back_m = model.description.backoff_m
         bounds = np.concatenate([part.bounds_m for part in target.convex_parts])
         self._box = np.stack([bounds.min(axis=0), bounds.max(axis=0)])
-        self._seeds = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(seed)
 
     def batches(self) -> Iterator[Annealed]:
         """Batches of ``CHAINS_AT_ONCE`` chains, without end."""
         while True:
-            seeds = self._seeds.integers(0, 2**31, CHAINS_AT_ONCE)
-            Ts, energies = anneal_each(self._hand, self._place, self._box, self._most_open_m, self._back_m, seeds)
+            Ts, energies = anneal_each(
+                self._hand, self._place, self._box, self._most_open_m, self._back_m, CHAINS_AT_ONCE, self._rng
+            )
             yield Annealed(Ts[energies <= ACCEPTED], CHAINS_AT_ONCE)
 
 
@@ -144,10 +144,10 @@ def turned(R: Array, x: float, y: float, z: float) -> Array:
 
 
 @kernel
-def random_start(box: Array, most_open: float) -> tuple[Array, Array, float]:
+def random_start(box: Array, most_open: float, rng: np.random.Generator) -> tuple[Array, Array, float]:
     """A hand somewhere at the object, that comes from anywhere but below."""
-    z = np.random.uniform(-1.0, MOST_UPWARD)
-    a = np.random.uniform(-np.pi, np.pi)
+    z = rng.uniform(-1.0, MOST_UPWARD)
+    a = rng.uniform(-np.pi, np.pi)
     r = np.sqrt(1.0 - z * z)
     approach = (r * np.cos(a), r * np.sin(a), z)
     side = (-np.sin(a), np.cos(a), 0.0)
@@ -159,32 +159,31 @@ def random_start(box: Array, most_open: float) -> tuple[Array, Array, float]:
     R[2, 0] = side[0] * approach[1] - side[1] * approach[0]
     p = np.empty(3)
     for i in range(3):
-        p[i] = np.random.uniform(box[0, i], box[1, i])
-    return turned(R, 0.0, 0.0, np.random.uniform(-np.pi, np.pi)), p, np.random.uniform(0.2, 1.0) * most_open
+        p[i] = rng.uniform(box[0, i], box[1, i])
+    return turned(R, 0.0, 0.0, rng.uniform(-np.pi, np.pi)), p, rng.uniform(0.2, 1.0) * most_open
 
 
 @kernel
 def anneal(
-    hand: HandArrays, place: PlaceArrays, box: Array, most_open: float, back: float, seed: int
+    hand: HandArrays, place: PlaceArrays, box: Array, most_open: float, back: float, rng: np.random.Generator
 ) -> tuple[Array, Array, float]:
     """One chain: rotation (3, 3), position (3,) and the contact energy, infinite when the hand is not clear."""
-    np.random.seed(seed)
     _, _, every, few = hand
-    rotation, p, opening = random_start(box, most_open)
+    rotation, p, opening = random_start(box, most_open, rng)
     energy = contact_energy(hand, place, rotation, p, opening)
     energy += intrusion(few, place, rotation, p, 0.0) + intrusion(few, place, rotation, p, 0.5 * back)
     for step in range(STEPS):
         heat = 1.0 - step / STEPS
         reach = 0.001 + 0.02 * heat * heat
-        turn = np.random.normal(0.0, 0.03 + 0.4 * heat * heat, 3)
+        turn = rng.normal(0.0, 0.03 + 0.4 * heat * heat, 3)
         rotation1 = turned(rotation, turn[0], turn[1], turn[2])
         if rotation1[2, 2] > MOST_UPWARD:
             continue
-        p1 = p + np.random.normal(0.0, reach, 3)
-        opening1 = min(max(opening + np.random.normal(0.0, reach), 0.004), most_open)
+        p1 = p + rng.normal(0.0, reach, 3)
+        opening1 = min(max(opening + rng.normal(0.0, reach), 0.004), most_open)
         energy1 = contact_energy(hand, place, rotation1, p1, opening1)
         temperature = 0.5 * heat**3 + 0.003
-        bar = energy - temperature * np.log(np.random.random() + 1e-300)
+        bar = energy - temperature * np.log(rng.random() + 1e-300)
         if energy1 >= bar:
             continue
         energy1 += intrusion(few, place, rotation1, p1, 0.0) + intrusion(few, place, rotation1, p1, 0.5 * back)
@@ -198,12 +197,18 @@ def anneal(
 
 @kernel
 def anneal_each(
-    hand: HandArrays, place: PlaceArrays, box: Array, most_open: float, back: float, seeds: NDArray[np.int64]
+    hand: HandArrays,
+    place: PlaceArrays,
+    box: Array,
+    most_open: float,
+    back: float,
+    count: int,
+    rng: np.random.Generator,
 ) -> tuple[Array, Array]:
-    """One chain per seed: grasps (n, 4, 4) and contact energies (n,)."""
-    Ts = np.zeros((len(seeds), 4, 4))
-    energies = np.empty(len(seeds))
-    for i in range(len(seeds)):
-        rotation, p, energies[i] = anneal(hand, place, box, most_open, back, seeds[i])
+    """So many chains: grasps (n, 4, 4) and contact energies (n,)."""
+    Ts = np.zeros((count, 4, 4))
+    energies = np.empty(count)
+    for i in range(count):
+        rotation, p, energies[i] = anneal(hand, place, box, most_open, back, rng)
         Ts[i, :3, :3], Ts[i, :3, 3], Ts[i, 3, 3] = rotation, p, 1.0
     return Ts, energies

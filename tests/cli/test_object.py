@@ -15,7 +15,7 @@ from backend.knowledge.grasps import grasp_file, save_grasps
 from backend.objects import OBJECTS, load_object
 from tests.objects import meshes
 
-FEW = GraspSettings(clean_lifts=20, clean_wanted=6, rounds=((4, 1),))
+FEW = GraspSettings(candidates=24, rounds=((24, 1), (8, 2)))
 
 
 @pytest.fixture
