@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.errors import InvalidInputError, MissingResourceError, lookup
-from backend.files import data_folder, remove, replacing
+from backend.errors import lookup
+from backend.files import data_folder, remove
+from backend.knowledge.shelf import ASSETS, Arrays, Label, read, write
 from backend.objects import OBJECTS, object_names
 from backend.pose import Array
 
@@ -46,46 +46,36 @@ class GraspDatabase:
 def load_grasps(robot: str, object: str) -> GraspDatabase:
     """The database of a hand and an object.
 
-    Raises ``NotFoundError`` for unknown names and ``MissingResourceError`` for a database not built yet.
+    Raises ``NotFoundError`` for unknown names, ``MissingResourceError`` for a database not built yet, and
+    ``InvalidInputError`` for a file that is something else.
     """
     _check_names(robot, object)
-    path = grasp_file(robot, object)
-    if not path.is_file():
-        raise MissingResourceError(
-            f"There are no grasps of {object} for {robot}: {path} is missing. "
-            f"Make them with: python -m backend build grasps --robot {robot} --object {object}"
-        )
-    return read_grasps(path)
+    return read_grasps(grasp_file(robot, object), robot, object)
 
 
-def read_grasps(path: Path) -> GraspDatabase:
-    """A database from a file; raises ``InvalidInputError`` when the file is not one."""
+def read_grasps(path: Path, robot: str, object: str) -> GraspDatabase:
+    """The database of that pair from a file; errors as ``load_grasps``."""
+    label = _label(robot, object)
+    arrays, facts = read(path, label)
     try:
-        with np.load(path, allow_pickle=False) as data:
-            facts = cast(dict[str, Any], json.loads(str(data["facts"])))
-            if facts.get("format") != FORMAT:
-                raise InvalidInputError(f"{path}: format {facts.get('format')}, this version reads {FORMAT}.")
-            Ts, lifts, successes = data["Ts_object_grasp"], data["lifts"], data["successes"]
-    except (OSError, ValueError, KeyError) as error:
-        raise InvalidInputError(f"{path}: not a grasp database ({error}).") from error
-    for array in (Ts, lifts, successes):
-        array.flags.writeable = False
-    return GraspDatabase(str(facts["robot"]), str(facts["object"]), Ts, lifts, successes, facts)
+        if (facts["robot"], facts["object"]) != (robot, object):
+            raise label.refusal(path, f"it belongs to {facts['robot']} and {facts['object']}")
+        Ts, lifts, successes = (arrays[name] for name in ("Ts_object_grasp", "lifts", "successes"))
+    except KeyError as error:
+        raise label.refusal(path, f"{error} is missing") from error
+    return GraspDatabase(robot, object, Ts, lifts, successes, facts)
 
 
 def save_grasps(database: GraspDatabase, path: Path | None = None) -> Path:
     """Write a database where ``load_grasps`` finds it, or to ``path``; all of it or nothing."""
-    path = path or grasp_file(database.robot, database.object)
-    facts = {**database.facts, "format": FORMAT, "robot": database.robot, "object": database.object}
-    with replacing(path) as file:
-        np.savez_compressed(
-            file,
-            Ts_object_grasp=database.Ts_object_grasp,
-            lifts=database.lifts,
-            successes=database.successes,
-            facts=np.array(json.dumps(facts, sort_keys=True)),
-        )
-    return path
+    robot, object = database.robot, database.object
+    arrays: Arrays = {
+        "Ts_object_grasp": database.Ts_object_grasp,
+        "lifts": database.lifts,
+        "successes": database.successes,
+    }
+    facts = {**database.facts, "robot": robot, "object": object}
+    return write(path or grasp_file(robot, object), _label(robot, object), arrays, facts)
 
 
 def remove_grasps(object: str) -> None:
@@ -100,8 +90,13 @@ def remove_grasps(object: str) -> None:
 
 def grasp_file(robot: str, object: str) -> Path:
     """Where the database of that pair is kept: with the project, or with the user's own objects."""
-    base = Path(__file__).parent.parent / "assets" if object in OBJECTS else data_folder()
+    base = ASSETS if object in OBJECTS else data_folder()
     return base / "grasps" / robot / f"{object}.npz"
+
+
+def _label(robot: str, object: str) -> Label:
+    command = f"python -m backend build grasps --robot {robot} --object {object}"
+    return Label(f"grasp database of {object} for {robot}", FORMAT, command)
 
 
 def _check_names(robot: str, object: str) -> None:

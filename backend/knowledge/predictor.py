@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import itertools
-import json
-import zipfile
-import zlib
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.errors import InvalidInputError, MissingResourceError
-from backend.files import replacing
+from backend.knowledge.shelf import ASSETS, Arrays, Label, read, write
 
 Floats = NDArray[np.float32]
-FORMAT = 1
-COMMAND = "python -m backend build predictor"
+LABEL = Label("trained predictor", 1, "python -m backend build predictor")
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +34,7 @@ class PredictorWeights:
 
 def predictor_file() -> Path:
     """Where the weights that come with the project are kept."""
-    return Path(__file__).parent.parent / "assets" / "predictor" / "lstm.npz"
+    return ASSETS / "predictor" / "lstm.npz"
 
 
 def load_weights(features: int, outputs: int, path: Path | None = None) -> PredictorWeights:
@@ -49,8 +44,6 @@ def load_weights(features: int, outputs: int, path: Path | None = None) -> Predi
     not of such a network.
     """
     path = path or predictor_file()
-    if not path.is_file():
-        raise MissingResourceError(f"There is no trained predictor: {path} is missing. Make it with: {COMMAND}")
     weights = _read(path)
     hidden = weights.lstm_hidden.shape[-1]
     wanted = [(4 * hidden, features), (4 * hidden, hidden), (4 * hidden,)]
@@ -60,46 +53,23 @@ def load_weights(features: int, outputs: int, path: Path | None = None) -> Predi
     arrays = [weights.lstm_in, weights.lstm_hidden, weights.lstm_bias, *(a for layer in weights.dense for a in layer)]
     found = [array.shape for array in arrays]
     if found != wanted or not all(np.isfinite(array).all() for array in arrays):
-        raise InvalidInputError(
-            f"{path}: not the weights of this predictor (arrays of {found}, expected {wanted}, all finite). "
-            f"Make them again with: {COMMAND}"
-        )
+        raise LABEL.refusal(path, f"arrays of {found}, expected {wanted}, all finite")
     return weights
 
 
 def _read(path: Path) -> PredictorWeights:
+    arrays, facts = read(path, LABEL)
     try:
-        with open(path, "rb") as file, np.load(file, allow_pickle=False) as data:
-            facts = cast(dict[str, Any], json.loads(str(data["facts"])))
-            if facts.get("format") != FORMAT:
-                raise InvalidInputError(
-                    f"{path}: format {facts.get('format')}, this version reads {FORMAT}. Make it again with: {COMMAND}"
-                )
-            arrays = {name: data[name].astype(np.float32) for name in data.files if name != "facts"}
-            dense = tuple((arrays[f"dense{k}_weight"], arrays[f"dense{k}_bias"]) for k in range(3))
-            return PredictorWeights(arrays["lstm_in"], arrays["lstm_hidden"], arrays["lstm_bias"], dense, facts)
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        AttributeError,
-        EOFError,
-        zipfile.BadZipFile,
-        zlib.error,
-    ) as error:
-        raise InvalidInputError(
-            f"{path}: not a trained predictor, or not all of it ({error}). Make it again with: {COMMAND}"
-        ) from error
+        floats = {name: array.astype(np.float32) for name, array in arrays.items()}
+        dense = tuple((floats[f"dense{k}_weight"], floats[f"dense{k}_bias"]) for k in range(3))
+        return PredictorWeights(floats["lstm_in"], floats["lstm_hidden"], floats["lstm_bias"], dense, facts)
+    except (KeyError, ValueError) as error:
+        raise LABEL.refusal(path, error) from error
 
 
 def save_weights(weights: PredictorWeights, path: Path | None = None) -> Path:
     """Write the weights where ``load_weights`` finds them, or to ``path``; all of it or nothing."""
-    path = path or predictor_file()
-    arrays = {"lstm_in": weights.lstm_in, "lstm_hidden": weights.lstm_hidden, "lstm_bias": weights.lstm_bias}
+    arrays: Arrays = {"lstm_in": weights.lstm_in, "lstm_hidden": weights.lstm_hidden, "lstm_bias": weights.lstm_bias}
     for k, (weight, bias) in enumerate(weights.dense):
         arrays |= {f"dense{k}_weight": weight, f"dense{k}_bias": bias}
-    facts = np.array(json.dumps({**weights.facts, "format": FORMAT}, sort_keys=True))
-    with replacing(path) as file:
-        np.savez_compressed(file, allow_pickle=False, facts=facts, **arrays)
-    return path
+    return write(path or predictor_file(), LABEL, arrays, weights.facts)

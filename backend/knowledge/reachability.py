@@ -8,23 +8,20 @@ floor, which the pose alone decides.
 
 from __future__ import annotations
 
-import hashlib
-import json
 import lzma
-import os
-import tempfile
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.errors import InvalidInputError, MissingResourceError, lookup
+from backend.errors import lookup
 from backend.kinematics.chain import rows_of
 from backend.kinematics.compiled import kernel
 from backend.knowledge.reach_chart import fill_coordinates
+from backend.knowledge.shelf import ASSETS, Arrays, Label, read, write
 from backend.pose import Array
 
 PACKED_AXES = (4, 3)
@@ -152,34 +149,25 @@ def load_reachability(robot: str) -> ReachabilityField:
     from backend.robots import ROBOTS
 
     lookup("robot", robot, ROBOTS)
-    path = reachability_file(robot)
-    if not path.is_file():
-        raise MissingResourceError(f"There is no reachability field of {robot}: {path} is missing. {_remedy(robot)}")
-    reach = read_reachability(path, robot)
+    reach = read_reachability(reachability_file(robot), robot)
     reach.signed_distance(np.eye(4)[None])
     return reach
 
 
 def read_reachability(path: Path, robot: str) -> ReachabilityField:
-    """The field of ``robot`` from a file; raises ``InvalidInputError`` when it holds something else."""
+    """The field of ``robot`` from a file; errors as ``load_reachability``."""
+    label = _label(robot)
+    arrays, facts = read(path, label)
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-            facts = cast(dict[str, Any], json.loads(str(data["facts"])))
-            if facts.get("format") != FORMAT:
-                raise ValueError(f"format {facts.get('format')}, this version reads {FORMAT}")
-            if facts["robot"] != robot:
-                raise ValueError(f"it belongs to {facts['robot']}, not to {robot}")
-            packed, hand = data["levels"].tobytes(), data["hand"]
-        if hashlib.sha256(packed + hand.tobytes()).hexdigest() != facts["sha256"]:
-            raise ValueError("its checksum is wrong")
-        levels = _unpacked(packed, tuple(facts["shape"]))
-        for array in (levels, hand):
-            array.flags.writeable = False
+        if facts["robot"] != robot:
+            raise ValueError(f"it belongs to {facts['robot']}, not to {robot}")
+        levels = _unpacked(arrays["levels"].tobytes(), tuple(facts["shape"]))
+        levels.flags.writeable = False
         numbers = {name: float(facts[name]) for name in _NUMBERS}
         origin, steps = np.array(facts["origin"]), np.array(facts["steps"])
-    except Exception as error:
-        raise InvalidInputError(f"{path}: not a reachability field of {robot} ({error}). {_remedy(robot)}") from error
-    return ReachabilityField(robot, levels, origin, steps, hand=hand, facts=facts, **numbers)
+        return ReachabilityField(robot, levels, origin, steps, hand=arrays["hand"], facts=facts, **numbers)
+    except (KeyError, TypeError, ValueError, lzma.LZMAError) as error:
+        raise label.refusal(path, error) from error
 
 
 _NUMBERS = ("quantum_m", "theta_max_rad", "floor_margin_m", "shift_m")
@@ -187,43 +175,27 @@ _NUMBERS = ("quantum_m", "theta_max_rad", "floor_margin_m", "shift_m")
 
 def save_reachability(reach: ReachabilityField, path: Path | None = None) -> Path:
     """Write a field where ``load_reachability`` finds it, or to ``path``; all of it or nothing."""
-    path = path or reachability_file(reach.robot)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    packed = _packed(reach.levels)
+    packed = np.frombuffer(_packed(reach.levels), dtype=np.uint8)
     facts = {
         **reach.facts,
         **{name: getattr(reach, name) for name in _NUMBERS},
-        "format": FORMAT,
         "robot": reach.robot,
         "shape": reach.levels.shape,
         "origin": reach.origin.tolist(),
         "steps": reach.steps.tolist(),
         "metres_per_radian": METRES_PER_RADIAN,
-        "sha256": hashlib.sha256(packed + reach.hand.tobytes()).hexdigest(),
     }
-    handle, aside = tempfile.mkstemp(prefix=f".{path.stem}-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as file:
-            np.savez(
-                file,
-                levels=np.frombuffer(packed, dtype=np.uint8),
-                hand=reach.hand,
-                facts=np.array(json.dumps(facts, sort_keys=True)),
-            )
-        Path(aside).chmod(0o644)
-        os.replace(aside, path)
-    finally:
-        Path(aside).unlink(missing_ok=True)
-    return path
+    arrays: Arrays = {"levels": packed, "hand": reach.hand}
+    return write(path or reachability_file(reach.robot), _label(reach.robot), arrays, facts)
 
 
 def reachability_file(robot: str) -> Path:
     """Where the field of that robot is kept."""
-    return Path(__file__).parent.parent / "assets" / "reachability" / f"{robot}.npz"
+    return ASSETS / "reachability" / f"{robot}.npz"
 
 
-def _remedy(robot: str) -> str:
-    return f"Make it with: python -m backend build reachability --robot {robot}"
+def _label(robot: str) -> Label:
+    return Label(f"reachability field of {robot}", FORMAT, f"python -m backend build reachability --robot {robot}")
 
 
 def _packed(levels: Levels) -> bytes:
