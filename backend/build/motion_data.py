@@ -11,6 +11,7 @@ import hashlib
 import json
 import time
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Protocol
@@ -18,9 +19,11 @@ from typing import Protocol
 import numpy as np
 
 from backend.build.attempts import Attempts, joined, read_attempts, save_attempts
+from backend.build.code_digest import code_digest
 from backend.errors import InvalidInputError, SimulationError
 from backend.files import cache_folder
 from backend.knowledge.grasps import GraspDatabase
+from backend.methods.method import Execution
 from backend.objects import load_object
 from backend.parallel import spread
 from backend.pose import Array, Pose
@@ -29,6 +32,8 @@ from backend.robots.models import load_model
 OnProgress = Callable[[str], None]
 CHUNK = 250
 """Attempts in a file; at most so many are lost when a process is killed."""
+PHYSICS = ("build/rig.py", "sim/bullet.py", "sim/hand.py", "sim/gripper.py", "pipeline/execute/*.py")
+"""The code that decides how an attempt ends."""
 
 
 class Ended(Protocol):
@@ -47,19 +52,19 @@ class AttemptRig(Protocol):
     def attempt(
         self,
         T_object_grasp: Pose,
-        T_believed_object: Pose = ...,
-        velocity_mps: Array | None = ...,
+        T_believed_object: Pose | None = None,
+        velocity_mps: Array | None = None,
     ) -> Ended:
         """Try a grasp, with the true object at ``T_believed_object`` in the frame where it is believed to be, on a
         belt that moves with ``velocity_mps`` (2,) in that frame."""
         ...
 
 
-RigMaker = Callable[[str, str], AttemptRig]
+RigMaker = Callable[[str, str], AbstractContextManager[AttemptRig]]
 """From the names of robot and object; a function at the top of a module, so that it reaches other processes."""
 
 
-def make_rig(robot: str, object: str) -> AttemptRig:
+def make_rig(robot: str, object: str) -> AbstractContextManager[AttemptRig]:
     """The simulated hand and object."""
     from backend.build.rig import Rig  # pyright: ignore[reportMissingImports]
 
@@ -136,8 +141,9 @@ class Source:
         digest.update(repr((target.mass_kg, target.lateral_friction, target.spinning_friction)).encode())
         for part in target.convex_parts:
             digest.update(part.vertices.tobytes())
-        rig = Path(__file__).with_name("rig.py")
-        digest.update(rig.read_bytes() if rig.is_file() else b"")
+        backend = Path(__file__).parents[1]
+        digest.update(code_digest(path for pattern in PHYSICS for path in backend.glob(pattern)).encode())
+        digest.update(repr(Execution()).encode())
         return digest.hexdigest()[:16]
 
 
@@ -204,7 +210,7 @@ def attempted(rig: AttemptRig, case: Case) -> tuple[bool, str]:
         ended = rig.attempt(case.T_object_grasp, case.T_believed_object, case.velocity_mps)
     except SimulationError as error:
         return False, str(error)
-    return ended.held, ended.why
+    return ended.held, "held" if ended.held else ended.why
 
 
 def columns(cases: list[Case], ends: list[tuple[bool, str]]) -> Attempts:
@@ -231,9 +237,9 @@ def _each(missing: list[Work], workers: int) -> Iterator[Attempts]:
 def _make_chunk(work: Work) -> Attempts:
     """Make the attempts of one span and keep them."""
     source, folder, span = work
-    rig = source.make_rig(source.robot, source.object)
     cases = [draw(source, index) for index in range(*span)]
-    made = columns(cases, [attempted(rig, case) for case in cases])
+    with source.make_rig(source.robot, source.object) as rig:
+        made = columns(cases, [attempted(rig, case) for case in cases])
     save_attempts(made, chunk_file(folder, span))
     return made
 

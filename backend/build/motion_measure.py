@@ -51,13 +51,13 @@ def measure(source: Source, model: MotionAwareModel, count: int, trained: int) -
 
     ``trained`` draws are left out: the model may have seen them.
     """
-    rig = source.make_rig(source.robot, source.object)
     cases = [draw(source, index) for index in range(trained, trained + count)]
-    fresh = columns(cases, [attempted(rig, case) for case in cases])
-    measured = {"fresh": asdict(agreement(probabilities(model, fresh), fresh.held))}
-    measured["chance"] = asdict(chance(repeated(rig, source, cases[: max(count // REPEATS, 1)])))
-    measured["worth"] = asdict(worth(rig, source, model, count))
-    return measured
+    with source.make_rig(source.robot, source.object) as rig:
+        fresh = columns(cases, [attempted(rig, case) for case in cases])
+        of_chance = chance(repeated(rig, source, cases[: max(count // REPEATS, 1)]))
+        of_rank = worth(rig, source, model, count)
+    of_all = agreement(probabilities(model, fresh), fresh.held)
+    return {"fresh": asdict(of_all), "chance": asdict(of_chance), "worth": asdict(of_rank)}
 
 
 def probabilities(model: MotionAwareModel, attempts: Attempts) -> Array:
