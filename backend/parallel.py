@@ -16,8 +16,11 @@ Result = TypeVar("Result")
 def spread(work: Callable[[Job], Result], jobs: Iterable[Job], workers: int) -> Iterator[Result]:
     """``work`` of every job, in the order in which they get done; ``work`` and jobs must be picklable.
 
-    What a job raises is raised here, and the jobs not begun yet are dropped.
+    One worker is this process. What a job raises is raised here, and the jobs not begun yet are dropped.
     """
+    if workers == 1:
+        yield from map(work, jobs)
+        return
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     context = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_interrupts_to_the_parent) as pool:

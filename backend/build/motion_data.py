@@ -10,7 +10,7 @@ from __future__ import annotations
 import hashlib
 import json
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,6 +20,7 @@ import numpy as np
 
 from backend.build.attempts import Attempts, joined, read_attempts, save_attempts
 from backend.build.code_digest import code_digest
+from backend.build.rig import Rig
 from backend.errors import InvalidInputError, SimulationError
 from backend.files import cache_folder
 from backend.knowledge.grasps import GraspDatabase
@@ -66,13 +67,11 @@ RigMaker = Callable[[str, str], AbstractContextManager[AttemptRig]]
 
 def make_rig(robot: str, object: str) -> AbstractContextManager[AttemptRig]:
     """The simulated hand and object."""
-    from backend.build.rig import Rig  # pyright: ignore[reportMissingImports]
-
     return Rig(load_model(robot), load_object(object))
 
 
 @dataclass(frozen=True)
-class Spread:
+class GraspChoice:
     """One way to choose grasps: how often, and how far from those of the database."""
 
     share: float
@@ -88,7 +87,11 @@ class AttemptSettings:
 
     speeds_mps: tuple[float, float] = (0.005, 0.05)
     """The object's speed, uniform; the paper's range."""
-    spreads: tuple[Spread, ...] = (Spread(0.40, 0.0, 0.0), Spread(0.35, 0.005, 0.09), Spread(0.25, 0.015, 0.30))
+    choices: tuple[GraspChoice, ...] = (
+        GraspChoice(0.40, 0.0, 0.0),
+        GraspChoice(0.35, 0.005, 0.09),
+        GraspChoice(0.25, 0.015, 0.30),
+    )
     """Shares add up to 1."""
     misplaced_m: float = 0.005
     """The true object is uniformly up to so far in x and y from where it is believed: what sensing and prediction
@@ -167,7 +170,7 @@ def gather(source: Source, count: int, workers: int, on_progress: OnProgress) ->
     if parts and missing:
         on_progress(f"{sum(map(len, parts))} of {count} attempts are there already")
     begun_s, made = time.perf_counter(), 0
-    for part in _each(missing, min(workers, len(missing))):
+    for part in spread(_make_chunk, missing, max(min(workers, len(missing)), 1)):
         parts.append(part)
         made += len(part)
         on_progress(_progress(parts, count, made / max(time.perf_counter() - begun_s, 1e-9)))
@@ -184,7 +187,7 @@ def draw(source: Source, index: int) -> Case:
     s = source.settings
     rng = np.random.default_rng([source.seed, index])
     grasp = int(rng.integers(len(source.Ts_object_grasp)))
-    chosen = s.spreads[int(rng.choice(len(s.spreads), p=[one.share for one in s.spreads]))]
+    chosen = s.choices[int(rng.choice(len(s.choices), p=[one.share for one in s.choices]))]
     shift, turn = rng.normal(0.0, 1.0, (2, 3))
     off = Pose.from_xyz_rpy(shift * chosen.position_std_m, turn * chosen.rotation_std_rad)
     as_it_is = chosen.position_std_m == 0.0 and chosen.rotation_std_rad == 0.0
@@ -228,10 +231,6 @@ def columns(cases: list[Case], ends: list[tuple[bool, str]]) -> Attempts:
 
 
 Work = tuple[Source, Path, tuple[int, int]]
-
-
-def _each(missing: list[Work], workers: int) -> Iterator[Attempts]:
-    return spread(_make_chunk, missing, workers) if workers > 1 else map(_make_chunk, missing)
 
 
 def _make_chunk(work: Work) -> Attempts:

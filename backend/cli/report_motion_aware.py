@@ -76,7 +76,9 @@ def _measured(job: _Job) -> tuple[tuple[str, str], dict[str, Any]]:
 def _table(model: MotionAwareModel, fresh: dict[str, Any]) -> dict[str, Any]:
     facts = model.facts
     kept = {name: facts[name] for name in ("attempts", "seed", "measured", "curves", "ends")}
-    return {"robot": model.robot, "object": model.object, **kept, **fresh}
+    source = source_of(load_grasps(model.robot, model.object), facts["seed"])
+    up_to_date = source.digest() == facts["source"]
+    return {"robot": model.robot, "object": model.object, "up_to_date": up_to_date, **kept, **fresh}
 
 
 def _print(robot: str, tables: list[dict[str, Any]]) -> None:
@@ -87,6 +89,9 @@ def _print(robot: str, tables: list[dict[str, Any]]) -> None:
             print(_line(table["object"], table["measured"][part]))
             if f"{part}_as_in_database" in table["measured"]:
                 print(_line("  grasps as in the database", table["measured"][f"{part}_as_in_database"]))
+    old = [table["object"] for table in tables if not table["up_to_date"]]
+    if old:
+        print(f"\nLearnt from other grasps, shapes, settings or code than are here now: {', '.join(old)}")
     fresh = [table for table in tables if "fresh" in table]
     if not fresh:
         return

@@ -10,12 +10,13 @@ import pytest
 from backend.build import motion_data
 from backend.build.attempts import Attempts
 from backend.build.motion_curves import curves
-from backend.build.motion_data import AttemptSettings, Spread, gather
+from backend.build.motion_data import AttemptSettings, GraspChoice, gather
 from backend.build.motion_figure import draw_curves
 from backend.build.motion_measure import REPEATS, chance, measure, repeated, worth
 from backend.build.motion_metrics import agreement, best_sharpness
 from backend.errors import InvalidInputError, MissingResourceError, NotFoundError
 from backend.knowledge import motion_aware as knowledge
+from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import (
     MotionAwareModel,
     load_motion_aware,
@@ -25,12 +26,15 @@ from backend.knowledge.motion_aware import (
     sigmoid,
 )
 from backend.knowledge.motion_features import FEATURES, grasp_features, motion_features
+from backend.objects import OBJECTS
 from backend.pose import Array, Pose
-from tests.build.planted_rig import make_planted_rig, planted_source
+from backend.robots import ROBOTS
 from tests.motion_models import drawn_model
+from tests.planted_rig import make_planted_rig, planted_source
 
+PAIRS = [(robot, name) for robot in sorted(ROBOTS) for name in sorted(OBJECTS)]
 SETTINGS = AttemptSettings(
-    spreads=(Spread(0.4, 0.0, 0.0), Spread(0.6, 0.012, 0.1)), misplaced_m=0.001, misplaced_rad=0.01
+    choices=(GraspChoice(0.4, 0.0, 0.0), GraspChoice(0.6, 0.012, 0.1)), misplaced_m=0.001, misplaced_rad=0.01
 )
 
 
@@ -271,3 +275,17 @@ def test_broken_and_foreign_files_are_refused(tmp_path: Path):
         with pytest.raises(InvalidInputError, match=words):
             read_motion_aware(path, "mico", "cube")
     assert FEATURES == len(model.center)
+
+
+@pytest.mark.parametrize(("robot", "name"), PAIRS)
+def test_the_models_that_come_with_the_project_know_more_than_the_base_rate(robot: str, name: str):
+    if not motion_aware_file(robot, name).is_file():
+        pytest.skip(f"no model of {name} for {robot} has been built yet")
+    model = load_motion_aware(robot, name)
+    assert motion_aware_file(robot, name).stat().st_size * len(PAIRS) <= 12e6
+    for part in ("trials", "grasps"):
+        measured = model.facts["measured"][part]
+        base = measured["base_rate"]
+        assert measured["accuracy"] >= max(base, 1.0 - base) and measured["brier"] < base * (1.0 - base)
+    quality = model.quality(load_grasps(robot, name).Ts_object_grasp, 0.03, 0.5)
+    assert quality.mean() > 0.5 and quality.std() > 0.0

@@ -10,11 +10,11 @@ import pytest
 from backend.build import motion_data
 from backend.build.attempts import COLUMNS, Attempts
 from backend.build.code_digest import code_digest
-from backend.build.motion_data import CHUNK, AttemptSettings, Source, Spread, chunk_file, draw, gather
+from backend.build.motion_data import CHUNK, AttemptSettings, GraspChoice, Source, chunk_file, draw, gather
 from backend.build.motion_split import SplitSettings, split
 from backend.errors import InvalidInputError
 from backend.pose import Pose, rotation_angle_rad
-from tests.build.planted_rig import PlantedRig, planted_source
+from tests.planted_rig import PlantedRig, planted_source
 
 COUNT = 2 * CHUNK + 30
 Quiet = Callable[[str], None]
@@ -67,7 +67,7 @@ def test_draws_keep_to_their_settings():
 
 
 def test_every_perturbed_grasp_is_near_its_own_and_has_its_own_number():
-    source = planted_source(settings=AttemptSettings(spreads=(Spread(1.0, 0.004, 0.05),)))
+    source = planted_source(settings=AttemptSettings(choices=(GraspChoice(1.0, 0.004, 0.05),)))
     cases = [draw(source, index) for index in range(2000)]
     off = [Pose(source.Ts_object_grasp[case.grasp]).inverse() @ case.T_object_grasp for case in cases]
     np.testing.assert_allclose(np.std([T.xyz_m for T in off], axis=0), 0.004, rtol=0.1)
