@@ -9,7 +9,7 @@ import numpy as np
 from app.commands import OverrideValue, Restart
 from app.engine import Running, TrialInfo
 from backend.methods import METHODS
-from backend.objects import OBJECTS
+from backend.objects import object_names
 from backend.pose import Array
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
 
@@ -24,7 +24,7 @@ class BackendEngine:
         return scenario_names()
 
     def object_names(self) -> tuple[str, ...]:
-        return tuple(OBJECTS)
+        return object_names()
 
     def method_names(self) -> tuple[str, ...]:
         return tuple(METHODS)

@@ -1,4 +1,4 @@
-"""The headless command line: trial, survey, replay, build, bench, warm, info."""
+"""The headless command line: trial, survey, replay, build, object, bench, warm, info."""
 
 import sys
 

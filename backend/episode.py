@@ -85,27 +85,33 @@ class Episode:
         snapshot = self._snapshot()
         yield snapshot
         while snapshot.outcome is None:
-            try:
-                snapshot = self._tick_once()
-            except SimulationError as error:
-                outcome = Outcome(strict=False, authors=False, reason="error", detail=str(error))
-                snapshot = self._last(snapshot, outcome)
+            outcome = self._tick_once()
+            if outcome is None or outcome.reason != "error":
+                snapshot = self._snapshot()
+            if outcome is not None:
+                snapshot = replace(snapshot, outcome=outcome, fingerprint=self.recorder.fingerprint())
             yield snapshot
 
-    def _tick_once(self) -> Snapshot:
+    def finish(self) -> None:
+        """Run the trial to its end unseen."""
+        while self._tick_once() is None:
+            pass
+
+    def _tick_once(self) -> Outcome | None:
+        """One tick, recorded; the outcome when it was the last."""
         for timed in self.scenario.events:
             if timed.tick == self._tick:
                 self._act(timed.event)
                 self.recorder.event(timed)
-        outcome = self._advance()
+        try:
+            outcome = self._advance()
+            self.recorder.tick(self.world.t_s, self.world.q(), self.world.object_pose())
+        except SimulationError as error:
+            outcome = Outcome(strict=False, authors=False, reason="error", detail=str(error))
         self._tick += 1
-        snapshot = self._snapshot()
-        self.recorder.tick(snapshot.t_s, snapshot.q, snapshot.T_world_object)
-        return snapshot if outcome is None else self._last(snapshot, outcome)
-
-    def _last(self, snapshot: Snapshot, outcome: Outcome) -> Snapshot:
-        self.recorder.end(outcome, self.world.t_s, self._pilot.approach_start_s)
-        return replace(snapshot, outcome=outcome, fingerprint=self.recorder.fingerprint())
+        if outcome is not None:
+            self.recorder.end(outcome, self.world.t_s, self._pilot.approach_start_s)
+        return outcome
 
     def _advance(self) -> Outcome | None:
         """One tick of physics steps, cut short by the end of the trial."""

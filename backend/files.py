@@ -1,4 +1,4 @@
-"""Files written whole or not at all, and the folder where a user's made-up ones are kept."""
+"""Files written whole or not at all, and the folders where a user's are kept."""
 
 from __future__ import annotations
 
@@ -9,10 +9,19 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from backend.errors import InvalidInputError
+
 
 def cache_folder() -> Path:
-    """Where this user's models are kept: ``$XDG_CACHE_HOME`` or ``~/.cache``, then ``dynamic-grasping``."""
+    """Where what can be made again is kept: ``$XDG_CACHE_HOME`` or ``~/.cache``, then ``dynamic-grasping``."""
     base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "dynamic-grasping"
+
+
+def data_folder() -> Path:
+    """Where a user's own objects and their grasps are kept, which nothing can make again: ``$XDG_DATA_HOME`` or
+    ``~/.local/share``, then ``dynamic-grasping``."""
+    base = os.environ.get("XDG_DATA_HOME") or Path.home() / ".local" / "share"
     return Path(base) / "dynamic-grasping"
 
 
@@ -31,3 +40,11 @@ def replacing(path: Path) -> Generator[BinaryIO]:
         os.replace(aside, path)
     finally:
         Path(aside).unlink(missing_ok=True)
+
+
+def remove(path: Path) -> None:
+    """Remove a file, if it is there; raises ``InvalidInputError`` when it stays."""
+    try:
+        path.unlink(missing_ok=True)
+    except OSError as error:
+        raise InvalidInputError(f"Cannot remove {path}: {error.strerror}.") from error

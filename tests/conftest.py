@@ -1,6 +1,15 @@
-"""One setting for all property tests: the same examples everywhere, and no wall clock in the verdict."""
+"""For all tests: the same examples of every property, no wall clock in the verdict, and none of the user's objects."""
 
+import pytest
 from hypothesis import settings
 
 settings.register_profile("project", deadline=None, derandomize=True)
 settings.load_profile("project")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def nobodys_data(tmp_path_factory: pytest.TempPathFactory):
+    """What users have added does not show in tests, and tests add nothing to it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_DATA_HOME", str(tmp_path_factory.mktemp("data")))
+        yield

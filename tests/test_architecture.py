@@ -10,6 +10,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "execute")
 HEAVY = {
+    "coacd": {"backend/build/convex_parts.py"},
     "torch": {"backend/build/motion_aware.py", "backend/build/predictor.py"},
     "ompl": {"backend/pipeline/plan/ompl_tree.py"},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},

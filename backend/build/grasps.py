@@ -1,61 +1,59 @@
-"""Builds a grasp database: antipodal candidates, raced against each other in noisy simulated lifts."""
+"""Builds a grasp database: annealed candidates, raced against each other in noisy simulated lifts."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import hashlib
+import json
+import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from backend.build.antipodal import BANDS, AntipodalSampler
-from backend.build.lift import Bench, LiftSettings
+from backend import __version__
+from backend.build.annealing import Annealer
+from backend.build.racing import Counts, Heat, Noise, Racers, runners
+from backend.build.rig import RigSettings
+from backend.build.sectors import SECTORS, count_by_sector, sectors
 from backend.errors import InvalidInputError
+from backend.files import cache_folder, replacing
 from backend.knowledge.grasps import GraspDatabase
+from backend.methods.method import Execution
 from backend.objects import load_object
-from backend.pose import Array, Pose
+from backend.pose import Array
 from backend.robots.models import load_model
 
 OnProgress = Callable[[str], None]
-DRAWN_AT_ONCE = 48
-TAKEN_AT_ONCE = 6
+SAVE_EVERY_S = 20.0
+TELL_EVERY_S = 10.0
+APART_M = 0.003
+APART_RAD = float(np.radians(6.0))
+"""Two grasps are distinct when shift / APART_M and turn / APART_RAD, as legs of a right angle, come to 1 or more."""
+SECTOR_SHARE = 1 / 12
+SECTOR_LAG = 0.15
+"""Every sector's best go on, up to this share of the places, unless their rate lies that far behind the best."""
+
+BRISK = RigSettings(
+    execution=Execution(approach_s=0.5), close_at_most_s=0.5, lift_s=0.3, hold_s=0.15, solver_iterations=60
+)
+"""Run time's motions, done quicker: harder on a grasp, and cheaper to simulate."""
 
 
 @dataclass(frozen=True)
 class GraspSettings:
     """How much work goes into one database."""
 
-    clean_lifts: int = 400
-    """Candidates lifted once without noise, at most."""
-    clean_wanted: int = 120
-    """How many of them must hold before the race begins."""
-    rounds: tuple[tuple[int, int], ...] = ((115, 2), (100, 3))
-    """(how many of the best go on, noisy lifts of each) of every further round."""
-    draws: int = 20_000
-    """Candidates drawn at most, clear or not."""
-    lift: LiftSettings = field(default_factory=LiftSettings)
-
-
-@dataclass(eq=False)
-class _Racer:
-    T_object_grasp: Array
-    lifts: int = 0
-    successes: int = 0
-    slip_m: float = 0.0
-    """Summed over the lifts that held."""
-
-    @property
-    def estimate(self) -> float:
-        """Success rate, drawn towards one half while lifts are few."""
-        return (self.successes + 1.0) / (self.lifts + 2.0)
-
-    @property
-    def mean_slip_m(self) -> float:
-        return self.slip_m / max(self.successes, 1)
-
-    @property
-    def band(self) -> str:
-        return next(band.name for band in BANDS if band.holds(self.T_object_grasp[:3, 2]))
+    candidates: int = 5000
+    """Distinct annealed grasps."""
+    chains: int = 60_000
+    """Annealing chains run at most for them."""
+    rounds: tuple[tuple[int, int], ...] = ((5000, 1), (700, 3), (300, 8), (180, 20), (120, 50))
+    """(how many of the best go on, lifts that each of them has had at the end) of every round."""
+    rig: RigSettings = BRISK
+    noise: Noise = field(default_factory=Noise)
 
 
 def build_grasps(
@@ -65,72 +63,138 @@ def build_grasps(
     count: int,
     on_progress: OnProgress,
     settings: GraspSettings | None = None,
+    workers: int = 1,
 ) -> GraspDatabase:
     """The ``count`` best grasps found (or fewer), best first. Same arguments, same database.
 
-    Raises ``NotFoundError`` for unknown names, ``InvalidInputError`` when no grasp lifts the object.
+    What is done is kept in the user's cache: killed and begun again, it goes on. Raises ``NotFoundError`` for
+    unknown names, ``InvalidInputError`` when no grasp lifts the object.
     """
     settings = settings or GraspSettings()
-    model, target = load_model(robot), load_object(object)
-    bench = Bench(model, target, settings.lift)
-    draw_rng, lift_rng = np.random.default_rng(seed).spawn(2)
-    sampler = AntipodalSampler(model.description, target, draw_rng)
-    racers: list[_Racer] = []
-    tried = 0
-    for T_object_grasp in _clear_candidates(sampler, bench, settings.draws):
-        racer = _Racer(T_object_grasp)
-        _try(bench, racer, None)
-        tried += 1
-        racers += [racer] * racer.successes
-        if len(racers) >= settings.clean_wanted or tried >= settings.clean_lifts:
+    begun_s = time.perf_counter()
+    heat = Heat(robot, object, seed, settings.rig, settings.noise)
+    path = _checkpoint(heat, settings)
+    racers = _resumed(path)
+    if racers is None:
+        racers = _entered(heat, settings, on_progress)
+        _save(path, racers)
+    with runners(heat, workers) as pool:
+        for number, (keep, lifts) in enumerate(settings.rounds, 1):
+            going_on = best(racers, keep)
+            told_s = saved_s = time.perf_counter()
+            for _ in pool.run(going_on, lifts, racers):
+                now_s = time.perf_counter()
+                if now_s - told_s > TELL_EVERY_S:
+                    done = int((racers.lifts[going_on] >= lifts).sum())
+                    on_progress(f"round {number} of {len(settings.rounds)}: {done} of {len(going_on)} at {lifts} lifts")
+                    told_s = now_s
+                if now_s - saved_s > SAVE_EVERY_S:
+                    _save(path, racers)
+                    saved_s = now_s
+            _save(path, racers)
+            rate = racers.successes[going_on].sum() / racers.lifts[going_on].sum()
+            on_progress(f"round {number} of {len(settings.rounds)}: {len(going_on)} grasps, {rate:.3f} of lifts hold")
+    if not racers.successes.any():
+        raise InvalidInputError(f"{robot} cannot hold {object}: none of {len(racers.lifts)} grasps lifted it.")
+    database = _database(heat, settings, racers, count, time.perf_counter() - begun_s)
+    path.unlink(missing_ok=True)
+    return database
+
+
+def best(racers: Racers, count: int) -> Counts:
+    """The numbers of those that held oftenest; among equals the sectors take turns, each with its least slip first."""
+    sector = sectors(racers.Ts_object_grasp)
+    estimate, slip = racers.estimate, racers.mean_slip_m
+    order = np.lexsort((np.arange(len(slip)), slip, -estimate))
+    place = np.empty(len(order), np.int64)
+    for k in range(len(SECTORS)):
+        members = order[sector[order] == k]
+        place[members] = np.arange(len(members))
+    seeded = (place < count * SECTOR_SHARE) & (estimate >= estimate.max() - SECTOR_LAG)
+    ranked = np.lexsort((np.arange(len(slip)), place, -estimate, ~seeded))[:count]
+    return ranked[np.lexsort((place[ranked], -estimate[ranked]))]
+
+
+def _entered(heat: Heat, settings: GraspSettings, on_progress: OnProgress) -> Racers:
+    """Distinct candidates."""
+    annealer = Annealer(load_model(heat.robot), load_object(heat.object), heat.seed)
+    kept = np.zeros((0, 4, 4))
+    chains, told_s = 0, time.perf_counter()
+    for batch in annealer.batches():
+        chains += batch.chains
+        kept = np.concatenate([kept, distinct(batch.Ts_object_grasp, kept)])
+        if time.perf_counter() - told_s > TELL_EVERY_S:
+            on_progress(f"annealing: {len(kept)} distinct grasps from {chains} chains")
+            told_s = time.perf_counter()
+        if len(kept) >= settings.candidates or chains >= settings.chains:
             break
-    on_progress(f"{len(racers)} of {tried} lift without noise")
-    if not racers:
-        raise InvalidInputError(f"{robot} cannot hold {object}: none of {tried} grasps lifted it.")
-    for keep, lifts in settings.rounds:
-        racers = _best(racers, keep)
-        for racer in racers:
-            for _ in range(lifts):
-                _try(bench, racer, lift_rng.spawn(1)[0])
-        rate = np.mean([r.successes / r.lifts for r in racers])
-        on_progress(f"{len(racers)} racing, {rate:.2f} of the lifts hold")
-    return _database(robot, object, _best(racers, count), seed, settings)
+    kept = kept[: settings.candidates]
+    on_progress(f"annealing done: {len(kept)} distinct grasps from {chains} chains, {count_by_sector(kept)}")
+    return Racers.of(kept)
 
 
-def _clear_candidates(sampler: AntipodalSampler, bench: Bench, draws: int) -> Iterator[Array]:
-    """Grasps (4, 4) that the open hand can reach, a few of each band in turn, until ``draws`` have been drawn."""
-    for turn in range(draws // DRAWN_AT_ONCE if len(sampler) else 0):
-        band = BANDS[turn % len(BANDS)]
-        drawn = [sampler.draw(band) for _ in range(DRAWN_AT_ONCE)]
-        Ts = np.array([T for T in drawn if T is not None]).reshape(-1, 4, 4)
-        clear = [T for T, ok in zip(Ts, bench.is_clear(Ts), strict=True) if ok]
-        yield from clear[:TAKEN_AT_ONCE]
+def distinct(Ts: Array, others: Array) -> Array:
+    """Those of (n, 4, 4) that differ from all of ``others`` (m, 4, 4) and from each other."""
+    kept: list[Array] = []
+    known = _features(others)
+    for T, feature in zip(Ts, _features(Ts), strict=True):
+        if len(known) == 0 or np.square(known - feature).sum(axis=1).min() >= 1.0:
+            kept.append(T)
+            known = np.concatenate([known, feature[None]])
+    return np.array(kept).reshape(-1, 4, 4)
 
 
-def _try(bench: Bench, racer: _Racer, rng: np.random.Generator | None) -> None:
-    lifted = bench.lift(Pose(racer.T_object_grasp), rng)
-    racer.lifts += 1
-    if lifted.held:
-        racer.successes += 1
-        racer.slip_m += lifted.slip_m
+def _features(Ts: Array) -> Array:
+    """(n, 12) whose Euclidean distance is that of ``APART_M`` and ``APART_RAD``; a turn's chord stands for it."""
+    turns = Ts[:, :3, :3].reshape(-1, 9) / (np.sqrt(2.0) * APART_RAD)
+    return np.concatenate([Ts[:, :3, 3] / APART_M, turns], axis=1)
 
 
-def _best(racers: list[_Racer], count: int) -> list[_Racer]:
-    """Those that held oftenest; among equals the bands take turns, each with its least slip first."""
-    place: dict[str, int] = {}
-    ordered: list[tuple[float, int, _Racer]] = []
-    for racer in sorted(racers, key=lambda racer: (-racer.estimate, racer.mean_slip_m)):
-        place[racer.band] = place.get(racer.band, -1) + 1
-        ordered.append((-racer.estimate, place[racer.band], racer))
-    return [racer for *_, racer in sorted(ordered, key=lambda entry: entry[:2])][:count]
-
-
-def _database(robot: str, object: str, racers: list[_Racer], seed: int, settings: GraspSettings) -> GraspDatabase:
+def _database(heat: Heat, settings: GraspSettings, racers: Racers, count: int, took_s: float) -> GraspDatabase:
+    finalists = np.flatnonzero((racers.lifts == racers.lifts.max()) & (racers.successes > 0))
+    chosen = finalists[best(racers.only(finalists), count)]
+    held = racers.successes > 0
     return GraspDatabase(
-        robot=robot,
-        object=object,
-        Ts_object_grasp=np.array([racer.T_object_grasp for racer in racers]).reshape(-1, 4, 4),
-        lifts=np.array([racer.lifts for racer in racers], dtype=np.int64),
-        successes=np.array([racer.successes for racer in racers], dtype=np.int64),
-        facts={"seed": seed, "settings": asdict(settings), "pybullet": version("pybullet")},
+        robot=heat.robot,
+        object=heat.object,
+        Ts_object_grasp=racers.Ts_object_grasp[chosen],
+        lifts=racers.lifts[chosen],
+        successes=racers.successes[chosen],
+        facts={
+            "seed": heat.seed,
+            "settings": _plain(settings),
+            "versions": {"project": __version__, "pybullet": version("pybullet")},
+            "candidates": len(racers.lifts),
+            "candidates_that_lifted": int(held.sum()),
+            "lifts": int(racers.lifts.sum()),
+            "sectors_of_candidates": count_by_sector(racers.Ts_object_grasp),
+            "sectors_that_lifted": count_by_sector(racers.Ts_object_grasp[held]),
+            "sectors_kept": count_by_sector(racers.Ts_object_grasp[chosen]),
+            "took_s": round(took_s, 1),
+        },
     )
+
+
+def _checkpoint(heat: Heat, settings: GraspSettings) -> Path:
+    digest = hashlib.sha256(json.dumps([_plain(heat), _plain(settings)]).encode()).hexdigest()[:12]
+    return cache_folder() / "builds" / f"grasps-{heat.robot}-{heat.object}-{digest}.npz"
+
+
+def _plain(settings: Heat | GraspSettings) -> dict[str, Any]:
+    """As JSON knows it."""
+    text = json.dumps(asdict(settings), sort_keys=True, default=Execution.model_dump)
+    plain: dict[str, Any] = json.loads(text)
+    return plain
+
+
+def _save(path: Path, racers: Racers) -> None:
+    with replacing(path) as file:
+        np.savez(file, **racers.arrays())
+
+
+def _resumed(path: Path) -> Racers | None:
+    if not path.is_file():
+        return None
+    with np.load(path, allow_pickle=False) as arrays:
+        loaded: dict[str, Any] = {name: arrays[name] for name in arrays.files}
+    return Racers(**loaded)

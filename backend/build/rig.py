@@ -9,7 +9,7 @@ import numpy as np
 
 from backend.methods.method import Execution
 from backend.objects import ObjectDescription
-from backend.pipeline.execute import SHORTEST_LIFT_S, Closing, lift_way
+from backend.pipeline.execute import CLOSE_AT_MOST_S, SHORTEST_LIFT_S, Closing, lift_way
 from backend.pipeline.execute.blend import to_zero
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
@@ -17,6 +17,8 @@ from backend.sim.bullet import SOLVER_ITERATIONS, STEP_S, Bullet, GripperDrive
 from backend.tasks.setup import tray_size_m
 
 SETTLE_STEPS = 60
+STATION_M = 0.005
+"""On the way in the hand's distance to everything is looked at so often."""
 FINGER_M = 0.13
 """No point of a finger is further from the axis it turns about."""
 MOST_GAP_M = 0.05
@@ -30,6 +32,7 @@ class RigSettings:
 
     execution: Execution = field(default_factory=Execution)
     """Approach, closing and lift, as at run time."""
+    close_at_most_s: float = CLOSE_AT_MOST_S
     lift_s: float = SHORTEST_LIFT_S
     solver_iterations: int = SOLVER_ITERATIONS
     hold_s: float = 0.3
@@ -135,9 +138,9 @@ class Rig:
         return Pose.of((0.0, 0.0, self._tray_top_m)) @ T_object_grasp
 
     def _stations(self) -> list[float]:
-        """Distances back from the grasp, from the pregrasp on, at most a centimetre apart."""
+        """Distances back from the grasp, from the pregrasp on, at most ``STATION_M`` apart."""
         back_m = self.model.description.backoff_m
-        return np.linspace(back_m, 0.0, int(np.ceil(back_m / 0.01)) + 1).tolist()
+        return np.linspace(back_m, 0.0, int(np.ceil(back_m / STATION_M)) + 1).tolist()
 
     def _on_the_way(self, grasp: Pose, back_m: float) -> Pose:
         return grasp @ Pose.of((0.0, 0.0, -back_m))
@@ -163,7 +166,7 @@ class Rig:
         if start == len(stations) - 1:
             return
         steps = round(self.settings.execution.approach_s / STEP_S)
-        t_s = STEP_S * np.arange(1, steps + 1)
+        t_s = np.linspace(STEP_S, steps * STEP_S, steps)
         back_m = to_zero(np.array([stations[0]]), np.zeros(1), steps * STEP_S, t_s)[:, 0]
         self._move([self._on_the_way(grasp, b).xyz_m for b in back_m[back_m < stations[start]].tolist()])
 
@@ -176,7 +179,8 @@ class Rig:
             step += 1
             finger_rad = self._drive_hand()
             self._bullet.step()
-            if closing.over(step * STEP_S, STEP_S, finger_rad):
+            t_s = step * STEP_S
+            if closing.over(t_s, STEP_S, finger_rad) or t_s >= self.settings.close_at_most_s:
                 return
 
     def _skip_empty_closing(self) -> None:
@@ -204,7 +208,8 @@ class Rig:
         s = self.settings
         lift_m = s.execution.lift_m
         gripped, low_m = self._seen_from_tcp(), self._height_m()
-        t_s = STEP_S * np.arange(1, round(s.lift_s / STEP_S) + 1)
+        steps = round(s.lift_s / STEP_S)
+        t_s = np.linspace(STEP_S, steps * STEP_S, steps)
         way = lift_way(t_s, velocity, s.lift_s, lift_m) - t_s[:, None] * velocity
         half = len(way) // 2
         places = grasp.xyz_m + way

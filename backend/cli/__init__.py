@@ -52,7 +52,7 @@ def _parser() -> argparse.ArgumentParser:
 
     survey = commands.add_parser("survey", help="success of scenarios x objects x seeds, with reasons")
     survey.add_argument("--scenarios", nargs="+", metavar="NAME", help="default: all")
-    survey.add_argument("--objects", nargs="+", metavar="NAME", help="default: all")
+    survey.add_argument("--objects", nargs="+", metavar="NAME", help="default: the seven of the project")
     survey.add_argument("--seeds", type=int, default=5, metavar="N", help="seeds 0 to N-1 (default 5)")
     survey.add_argument("--set", dest="overrides", action="append", default=[], metavar="PATH=VALUE")
     survey.add_argument("--workers", type=int, default=None, metavar="N", help="default: one per core")
@@ -62,15 +62,13 @@ def _parser() -> argparse.ArgumentParser:
     build = commands.add_parser("build", help="make what the robot knows beforehand")
     build.add_argument("what", choices=["grasps", "reachability", "motion-aware", "predictor"])
     build.add_argument("--robot", metavar="NAME", help="default: all")
-    build.add_argument("--object", metavar="NAME", help="default: all (grasps and motion-aware only)")
+    build.add_argument("--object", metavar="NAME", help="default: the seven of the project (grasps, motion-aware)")
     build.add_argument("--seed", type=int, default=0)
     build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
     build.add_argument(
         "--attempts", type=int, default=10_000, metavar="N", help="of each pair (default 10000; motion-aware only)"
     )
-    build.add_argument(
-        "--workers", type=int, metavar="N", help="default: one per core (reachability and motion-aware only)"
-    )
+    build.add_argument("--workers", type=int, metavar="N", help="default: one per core (all but predictor)")
     _json(build)
 
     report = commands.add_parser("report", help="measure what the robot knows beforehand")
@@ -92,6 +90,8 @@ def _parser() -> argparse.ArgumentParser:
     report.add_argument("--seed", type=int, default=0)
     _json(report)
 
+    _object(commands.add_parser("object", help="bring your own objects: add, remove, list"))
+
     bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio")
     bench.add_argument("--scenario", default="ur5_linear")
     bench.add_argument("--trials", type=int, default=5, metavar="N")
@@ -103,6 +103,31 @@ def _parser() -> argparse.ArgumentParser:
     info = commands.add_parser("info", help="list robots, objects, tasks, methods, scenarios and versions")
     _json(info)
     return parser
+
+
+def _object(parser: argparse.ArgumentParser) -> None:
+    kinds = parser.add_subparsers(dest="what", required=True, metavar="WHAT")
+
+    add = kinds.add_parser("add", help="make an object of a mesh (OBJ, STL, PLY or GLB)")
+    add.add_argument("mesh", metavar="FILE")
+    add.add_argument("--name", required=True, help="lower-case letters, digits and _")
+    add.add_argument("--mass-kg", type=float, required=True, metavar="KG")
+    add.add_argument("--scale", type=float, default=1.0, metavar="M", help="metres per unit of the file (default 1)")
+    add.add_argument("--title", metavar="TEXT", help="default: made of the name")
+    add.add_argument("--upright", action="store_true", help="keep the file's z up (GLB: its y); default: as it rests")
+    add.add_argument("--color", default="#9aa7b4", metavar="#RRGGBB")
+    add.add_argument("--friction", type=float, default=0.7, metavar="MU", help="times the pads' own (default 0.7)")
+    add.add_argument("--parts", type=int, default=24, metavar="N", help="convex parts at most (default 24)")
+    add.add_argument("--concavity", type=float, default=0.05, metavar="C", help="less cuts closer (default 0.05)")
+    add.add_argument("--seed", type=int, default=0)
+    add.add_argument("--replace", action="store_true", help="take the place of an own object of that name")
+    _json(add)
+
+    remove = kinds.add_parser("remove", help="take away an object of your own, and its grasps")
+    remove.add_argument("name", metavar="NAME")
+    _json(remove)
+
+    _json(kinds.add_parser("list", help="every object, and for which robots it has grasps"))
 
 
 def _json(parser: argparse.ArgumentParser) -> None:

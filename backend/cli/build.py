@@ -14,7 +14,7 @@ from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import GraspDatabase, save_grasps
 from backend.knowledge.predictor import save_weights
 from backend.knowledge.reachability import save_reachability
-from backend.objects import OBJECTS
+from backend.objects import OBJECTS, object_names
 from backend.robots import ROBOTS
 
 
@@ -37,16 +37,17 @@ def run(options: argparse.Namespace) -> int:
 
 def _grasps(options: argparse.Namespace) -> int:
     """The databases asked for, one after the other, each saved when it is done."""
+    workers = _workers(options)
     if options.count < 1:
         raise InvalidInputError(f"--count must be at least 1 (got {options.count})")
-    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, OBJECTS)):
+    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
         if name is not None:
             lookup(kind, name, dict.fromkeys(table))
     built: list[dict[str, Any]] = []
     for robot in [options.robot] if options.robot else list(ROBOTS):
         for name in [options.object] if options.object else list(OBJECTS):
             begun_s = time.perf_counter()
-            database = build_grasps(robot, name, options.seed, options.count, _teller(robot, name))
+            database = build_grasps(robot, name, options.seed, options.count, _teller(robot, name), workers=workers)
             path = save_grasps(database)
             entry = _entry(database, time.perf_counter() - begun_s) | {"file": str(path)}
             built.append(entry)
@@ -59,9 +60,7 @@ def _grasps(options: argparse.Namespace) -> int:
 
 def _reachability(options: argparse.Namespace) -> int:
     """The field of each arm asked for, saved when it is calibrated and checked."""
-    workers = options.workers if options.workers is not None else os.cpu_count() or 1
-    if workers < 1:
-        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
+    workers = _workers(options)
     if options.object is not None:
         raise InvalidInputError("--object is of grasps; a reachability field is of an arm, whatever it grasps")
     if options.robot is not None:
@@ -99,6 +98,13 @@ def _predictor(options: argparse.Namespace) -> int:
     else:
         print(f"{path}: off by {measured['lstm_mm']} mm at 0.5, 1 and 2 s; straight on, by {measured['line_mm']} mm")
     return 0
+
+
+def _workers(options: argparse.Namespace) -> int:
+    workers = options.workers if options.workers is not None else os.cpu_count() or 1
+    if workers < 1:
+        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
+    return workers
 
 
 def _entry(database: GraspDatabase, took_s: float) -> dict[str, Any]:

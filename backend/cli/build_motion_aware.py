@@ -11,7 +11,7 @@ from backend.build.motion_data import OnProgress, gather, source_of
 from backend.errors import InvalidInputError, lookup
 from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import save_motion_aware
-from backend.objects import OBJECTS
+from backend.objects import OBJECTS, object_names
 from backend.robots import ROBOTS
 
 LEAST = 100
@@ -24,7 +24,7 @@ def build_all(options: argparse.Namespace) -> int:
         raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
     if options.attempts < LEAST:
         raise InvalidInputError(f"--attempts must be at least {LEAST} (got {options.attempts})")
-    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, OBJECTS)):
+    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
         if name is not None:
             lookup(kind, name, dict.fromkeys(table))
     from backend.build.motion_aware import build_motion_aware

@@ -7,19 +7,19 @@ from importlib.metadata import version
 
 from backend import __version__
 from backend.methods import METHODS
-from backend.objects import OBJECTS
+from backend.objects import object_names
 from backend.robots import ROBOTS
 from backend.scenario import scenario_names
 from backend.tasks import TASKS
 
-PACKAGES = ("pybullet", "numpy", "numba", "ompl", "toppra", "torch", "trimesh", "viser", "fastapi")
+PACKAGES = ("pybullet", "numpy", "numba", "ompl", "toppra", "torch", "trimesh", "coacd", "viser", "fastapi")
 
 
 def run(options: argparse.Namespace) -> int:
     """Print names and versions; always 0."""
     table: dict[str, object] = {
         "robots": list(ROBOTS),
-        "objects": list(OBJECTS),
+        "objects": list(object_names()),
         "tasks": list(TASKS),
         "methods": list(METHODS),
         "scenarios": scenario_names(),

@@ -14,7 +14,7 @@ from backend.build.motion_measure import measure
 from backend.errors import InvalidInputError, lookup
 from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import MotionAwareModel, load_motion_aware
-from backend.objects import OBJECTS
+from backend.objects import OBJECTS, object_names
 from backend.parallel import spread
 from backend.robots import ROBOTS
 
@@ -36,7 +36,7 @@ def report_motion_aware(options: argparse.Namespace) -> int:
     workers = options.workers if options.workers is not None else os.cpu_count() or 1
     if workers < 1:
         raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
-    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, OBJECTS)):
+    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
         if name is not None:
             lookup(kind, name, dict.fromkeys(table))
     robots = [options.robot] if options.robot else list(ROBOTS)

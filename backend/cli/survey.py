@@ -47,7 +47,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _jobs(options: argparse.Namespace) -> list[Job]:
     names: list[str] = options.scenarios or list(scenario_names())
-    objects: list[str] = options.objects or list(OBJECTS)
+    objects: list[str] = options.objects or list(OBJECTS)  # the paper's seven, whatever else a user has
     jobs: list[Job] = []
     for name in names:
         base = with_overrides(load_scenario(name), options.overrides)

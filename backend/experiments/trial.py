@@ -17,8 +17,10 @@ def run_trial(
 ) -> TrialRecord:
     """Run a trial to its end, show every snapshot to ``watch``, and write its trace if asked."""
     with Episode(scenario, seed) as episode:
-        for snapshot in episode.run():
-            if watch is not None:
+        if watch is None:
+            episode.finish()
+        else:
+            for snapshot in episode.run():
                 watch(snapshot)
         if trace is not None:
             episode.recorder.save_trace(trace)

@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.errors import InvalidInputError, MissingResourceError, lookup
-from backend.files import replacing
+from backend.files import data_folder, remove, replacing
+from backend.objects import OBJECTS, object_names
 from backend.pose import Array
 
 Counts = NDArray[np.int64]
@@ -43,7 +44,7 @@ class GraspDatabase:
 
 
 def load_grasps(robot: str, object: str) -> GraspDatabase:
-    """The database that comes with the project.
+    """The database of a hand and an object.
 
     Raises ``NotFoundError`` for unknown names and ``MissingResourceError`` for a database not built yet.
     """
@@ -87,14 +88,24 @@ def save_grasps(database: GraspDatabase, path: Path | None = None) -> Path:
     return path
 
 
+def remove_grasps(object: str) -> None:
+    """Forget every hand's grasps of a user's object, as when it is no longer what it was.
+
+    Raises ``InvalidInputError`` when a file cannot be removed.
+    """
+    assert object not in OBJECTS, "the project's databases stay"
+    for path in (data_folder() / "grasps").glob(f"*/{object}.npz"):
+        remove(path)
+
+
 def grasp_file(robot: str, object: str) -> Path:
-    """Where the database of that pair is kept."""
-    return Path(__file__).parent.parent / "assets" / "grasps" / robot / f"{object}.npz"
+    """Where the database of that pair is kept: with the project, or with the user's own objects."""
+    base = Path(__file__).parent.parent / "assets" if object in OBJECTS else data_folder()
+    return base / "grasps" / robot / f"{object}.npz"
 
 
 def _check_names(robot: str, object: str) -> None:
-    from backend.objects import OBJECTS
     from backend.robots import ROBOTS
 
     lookup("robot", robot, ROBOTS)
-    lookup("object", object, OBJECTS)
+    lookup("object", object, dict.fromkeys(object_names()))

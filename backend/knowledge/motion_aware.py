@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.errors import InvalidInputError, MissingResourceError, lookup
-from backend.files import replacing
+from backend.files import data_folder, remove, replacing
 from backend.knowledge.motion_features import (
     FEATURES,
     GRASP_FEATURES,
     grasp_features,
     motion_features,
 )
+from backend.objects import OBJECTS, object_names
 from backend.pose import Array
 
 Floats = NDArray[np.float32]
@@ -115,16 +116,15 @@ def sigmoid(logits: Array) -> Array:
 
 
 def load_motion_aware(robot: str, object: str) -> MotionAwareModel:
-    """The model that comes with the project.
+    """The model of a hand and an object.
 
     Raises ``NotFoundError`` for unknown names, ``MissingResourceError`` for a model that was not built, and
     ``InvalidInputError`` for a file that is broken or belongs to something else.
     """
-    from backend.objects import OBJECTS
     from backend.robots import ROBOTS
 
     lookup("robot", robot, ROBOTS)
-    lookup("object", object, OBJECTS)
+    lookup("object", object, dict.fromkeys(object_names()))
     path = motion_aware_file(robot, object)
     if not path.is_file():
         raise MissingResourceError(
@@ -177,8 +177,19 @@ def save_motion_aware(model: MotionAwareModel, path: Path | None = None) -> Path
 
 
 def motion_aware_file(robot: str, object: str) -> Path:
-    """Where the model of that pair is kept."""
-    return Path(__file__).parent.parent / "assets" / "motion_aware" / robot / f"{object}.npz"
+    """Where the model of that pair is kept: with the project, or with the user's own objects."""
+    base = Path(__file__).parent.parent / "assets" if object in OBJECTS else data_folder()
+    return base / "motion_aware" / robot / f"{object}.npz"
+
+
+def remove_motion_aware(object: str) -> None:
+    """Forget every hand's model of a user's object, as when it is no longer what it was.
+
+    Raises ``InvalidInputError`` when a file cannot be removed.
+    """
+    assert object not in OBJECTS, "the project's models stay"
+    for path in (data_folder() / "motion_aware").glob(f"*/{object}.npz"):
+        remove(path)
 
 
 def _layer(arrays: dict[str, Floats], k: int) -> Layer:

@@ -1,4 +1,4 @@
-"""Finished objects, kept per user: made once from this room's sources, then read in milliseconds."""
+"""Finished objects as files: those that come with the project are made once per user, then read in milliseconds."""
 
 from __future__ import annotations
 
@@ -20,26 +20,27 @@ from backend.objects.mesh import Mesh
 def stored(name: str, make: MakeObject) -> ObjectDescription:
     """The object as it was stored, else made now and stored."""
     path = cache_folder() / "objects" / f"{name}-{_sources()}.npz"
-    found = _read(path)
+    found = read_object(path)
     if found is None:
         found = make()
-        _write(path, found)
+        write_object(path, found)
     return found
 
 
-def _read(path: Path) -> ObjectDescription | None:
+def read_object(path: Path) -> ObjectDescription | None:
     """None when there is no such file, or none that can be read."""
     try:
         with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
             facts = json.loads(str(arrays["facts"]))
             meshes = [Mesh(arrays[f"vertices{k}"], arrays[f"faces{k}"]) for k in range(facts.pop("meshes"))]
-    except (OSError, EOFError, KeyError, ValueError, zipfile.BadZipFile):
+        facts["color_rgb"] = tuple(facts["color_rgb"])
+        return ObjectDescription(visual=meshes[0], convex_parts=tuple(meshes[1:]), **facts)
+    except (OSError, EOFError, IndexError, KeyError, TypeError, ValueError, zipfile.BadZipFile):
         return None
-    facts["color_rgb"] = tuple(facts["color_rgb"])
-    return ObjectDescription(visual=meshes[0], convex_parts=tuple(meshes[1:]), **facts)
 
 
-def _write(path: Path, made: ObjectDescription) -> None:
+def write_object(path: Path, made: ObjectDescription) -> None:
+    """All of the object in one file, or nothing; raises ``OSError`` when the folder cannot be written."""
     meshes = (made.visual, *made.convex_parts)
     facts = {
         "name": made.name,

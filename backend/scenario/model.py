@@ -12,7 +12,7 @@ from backend.config import Config, Probability
 from backend.errors import NotFoundError, lookup
 from backend.events import TimedEvent
 from backend.methods import METHODS, Method
-from backend.objects import OBJECTS
+from backend.objects import object_names
 from backend.robots.description import ProfileName
 from backend.tasks import Task
 
@@ -72,7 +72,7 @@ class Scenario(Config):
     @field_validator("object")
     @classmethod
     def _object_exists(cls, name: str) -> str:
-        known("object", name, OBJECTS)
+        known("object", name, dict.fromkeys(object_names()))
         return name
 
     @field_validator("method", mode="before")

@@ -106,7 +106,7 @@ class World:
 
     def finger_rad(self) -> float:
         """Angle of the hand's master joint."""
-        return self._robot.joints_rad()[self.model.description.gripper.master_joint]
+        return self._robot.finger_rad()
 
     def joints_rad(self) -> dict[str, float]:
         """Every movable joint of arm and hand."""

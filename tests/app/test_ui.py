@@ -15,14 +15,17 @@ import viser
 
 from app.commands import Restart
 from app.reports import Crashed, Pace, Started, Traces
-from app.session import SessionState
+from app.session import Session, SessionState
 from app.ui import words
 from app.ui.camera import viewpoint
 from app.ui.dashboard import start_viser
+from app.ui.desk import Desk
 from app.ui.geometry import chevrons, ribbon, segments, thinned
 from app.ui.layers import LAYERS, Layer, Picture
+from app.ui.panels import View
 from app.ui.panels.playback import LABELS, speed_label
 from app.ui.panels.ranking import ranking_html
+from app.ui.panels.scenario import ScenarioPanel
 from app.ui.progress import WAIT_S, AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
 from backend.pipeline.values import Outcome
@@ -306,3 +309,20 @@ def test_every_outcome_has_plain_words() -> None:
         assert headline == "Not grasped" and sentence == text
     assert words.outcome_words(replace(DROPPED, detail="It slid."))[1] == "It slid."
     assert cast(object, words.outcome_color(GRASPED)) != words.outcome_color(DROPPED)
+
+
+def test_objects_that_come_and_go_are_on_offer_and_so_is_the_one_tried(server: viser.ViserServer) -> None:
+    class Growing(FakeEngine):
+        names: tuple[str, ...] = ("cube", "tomato_soup_can")
+
+        def object_names(self) -> tuple[str, ...]:
+            return self.names
+
+    engine = Growing()
+    session = Session(engine, Restart(scenario="ur5_linear", overrides={"object": "cube"}))
+    panel = ScenarioPanel(server.gui, Desk(server, session), AutoNext(False))
+    shown: Any = panel._object  # pyright: ignore[reportPrivateUsage]
+    for names in (("cube", "tomato_soup_can", "mug"), ("tomato_soup_can",)):
+        engine.names = names
+        panel.show(View(session.state, Tally(), None, ""))
+        assert set(shown.options) == {*names, "cube"} and shown.value == "cube"

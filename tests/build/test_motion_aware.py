@@ -22,6 +22,7 @@ from backend.knowledge.motion_aware import (
     load_motion_aware,
     motion_aware_file,
     read_motion_aware,
+    remove_motion_aware,
     save_motion_aware,
     sigmoid,
 )
@@ -252,6 +253,15 @@ def test_unknown_names_are_refused():
     with pytest.raises(NotFoundError, match="no object named 'cub'"):
         load_motion_aware("mico", "cub")
     assert motion_aware_file("mico", "cube").parts[-4:] == ("assets", "motion_aware", "mico", "cube.npz")
+
+
+def test_the_model_of_an_own_object_lies_with_it_and_goes_with_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    path = save_motion_aware(drawn_model("mico", "thing"))
+    assert path == motion_aware_file("mico", "thing") and tmp_path in path.parents
+    assert tmp_path not in motion_aware_file("mico", "cube").parents
+    remove_motion_aware("thing")
+    assert not path.exists()
 
 
 def test_broken_and_foreign_files_are_refused(tmp_path: Path):

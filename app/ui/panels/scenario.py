@@ -49,12 +49,19 @@ class ScenarioPanel:
 
     def show(self, view: View) -> None:
         info, mirror = view.state.info, self._desk.mirror
+        self._offer_objects(info.object)
         mirror("scenario", self._scenario, info.scenario)
         mirror("object", self._object, info.object)
         mirror("method", self._method, info.method)
         mirror("seed", self._seed, view.state.restart.seed)
         self._show_belt(view)
         self._status.content = note(view.status_line)
+
+    def _offer_objects(self, running: str) -> None:
+        """Objects may come and go while the page is open; the one that is tried stays on offer."""
+        offered = tuple(dict.fromkeys((*self._desk.session.engine.object_names(), running)))
+        if offered != self._object.options:
+            self._object.options = offered
 
     def set_scenario(self, name: str) -> Answer:
         """Restart with another scenario as its file has it."""
