@@ -11,8 +11,8 @@ from backend.knowledge.motion_aware import MotionAwareModel
 
 ROWS = (
     ("speed_mps", "speed (cm/s)", 100.0),
-    ("direction_rad", "direction in the object's frame (deg)", 180.0 / np.pi),
-    ("from_behind_rad", "side grasps: approach to motion (deg)", 180.0 / np.pi),
+    ("direction_rad", "direction in the\nobject's frame (deg)", 180.0 / np.pi),
+    ("from_behind_rad", "side grasps:\napproach to motion (deg)", 180.0 / np.pi),
 )
 SPREAD_95 = 1.96
 
@@ -21,7 +21,7 @@ def draw_curves(robot: str, models: list[MotionAwareModel], folder: Path) -> Pat
     """Write ``motion_aware_<robot>.png`` into ``folder``: one column per model, from the curves in its facts."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(2.6 * len(models) + 0.6, 7.0), layout="constrained")
+    figure = Figure(figsize=(2.6 * len(models) + 1.0, 8.0), layout="constrained")
     axes = np.atleast_2d(figure.subplots(len(ROWS), len(models), sharey=True, squeeze=False))
     for column, model in zip(axes.T, models, strict=True):
         column[0].set_title(model.object)
