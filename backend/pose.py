@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -20,7 +21,7 @@ class Pose:
 
     def __post_init__(self) -> None:
         matrix = np.array(self.matrix, dtype=np.float64)
-        if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+        if matrix.shape != (4, 4) or not math.isfinite(matrix.sum()):
             raise ValueError(f"A pose is a finite 4x4 matrix, not {matrix!r}")
         matrix.flags.writeable = False
         object.__setattr__(self, "matrix", matrix)

@@ -73,7 +73,7 @@ def build_grasps(
     settings = settings or GraspSettings()
     begun_s = time.perf_counter()
     heat = Heat(robot, object, seed, settings.rig, settings.noise)
-    path = _checkpoint(heat, settings)
+    path = checkpoint_file(heat, settings)
     racers = _resumed(path)
     if racers is None:
         racers = _entered(heat, settings, on_progress)
@@ -175,7 +175,8 @@ def _database(heat: Heat, settings: GraspSettings, racers: Racers, count: int, t
     )
 
 
-def _checkpoint(heat: Heat, settings: GraspSettings) -> Path:
+def checkpoint_file(heat: Heat, settings: GraspSettings) -> Path:
+    """Where a build that is under way is kept."""
     digest = hashlib.sha256(json.dumps([_plain(heat), _plain(settings)]).encode()).hexdigest()[:12]
     return cache_folder() / "builds" / f"grasps-{heat.robot}-{heat.object}-{digest}.npz"
 

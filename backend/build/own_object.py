@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
-from backend.build.antipodal import AntipodalSampler
 from backend.build.closed_body import closed_body
 from backend.build.convex_parts import closed_parts, cut_into_parts, union_volume_m3
+from backend.build.facing import facing_pairs
 from backend.build.mesh_file import read_mesh
 from backend.build.resting import Rest, is_steady, is_upright, rests, stands
 from backend.errors import InvalidInputError
@@ -115,8 +115,8 @@ def make_own(path: Path, wanted: Wanted, on_progress: Callable[[str], None]) -> 
 
 def hands_around(described: ObjectDescription, seed: int) -> tuple[str, ...]:
     """Robots whose open hand is wider than the object somewhere, by the pairs of facing points it could close on."""
-    rng = np.random.default_rng(seed)
-    return tuple(name for name in ROBOTS if len(AntipodalSampler(ROBOTS[name], described, rng)) >= LEAST_PAIRS)
+    openings_m = {name: robot.gripper.opening_m for name, robot in ROBOTS.items()}
+    return tuple(name for name, m in openings_m.items() if facing_pairs(described, m, seed) >= LEAST_PAIRS)
 
 
 def _as_it_rests(path: Path, wanted: Wanted, body: Mesh, corners: list[Array]) -> tuple[ObjectDescription, Rest, bool]:

@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.build.rig import Rig, RigSettings
-from backend.errors import lookup
-from backend.objects import OBJECTS, load_object
+from backend.objects import load_object
 from backend.pose import Array, Pose
 from backend.robots.models import load_model
 
@@ -121,7 +120,6 @@ class Runners:
 @contextmanager
 def runners(heat: Heat, workers: int) -> Generator[Runners]:
     """Worker processes that have the hand and the object ready."""
-    lookup("object", heat.object, dict.fromkeys(OBJECTS))
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_interrupts_to_the_parent)
     try:

@@ -19,10 +19,10 @@ OTHER_BRANCHES = 6
 
 
 def shortlist_by_ik(config: IkFilter, candidates: Candidates, context: RankContext) -> Shortlist:
-    """Solve pregrasp, grasp and lift of every candidate; score by quality less a little for the way there.
+    """Solve the pregrasp of every candidate, score it by quality less a little for the way there, and keep the best.
 
-    Where the first IK solution of a pregrasp is blocked, other branches are tried, best grasps first, until
-    there are enough.
+    Grasp and lift are solved from the highest score down until there are enough. Where the first IK solution of
+    a pregrasp is blocked, other branches are tried, if then there are still too few.
     """
     n = len(candidates.quality)
     restarts = RESTARTS if context.held is None else RESTARTS_WHILE_HELD
@@ -30,14 +30,21 @@ def shortlist_by_ik(config: IkFilter, candidates: Candidates, context: RankConte
     rejected = {int(i): "pregrasp out of reach" for i in np.flatnonzero(~found)}
     for i in context.put_off:
         found[i], rejected[i] = False, PUT_OFF
+    score = np.full(n, np.nan)
+    ways_rad = np.linalg.norm(qs_pregrasp[found] - context.q, axis=1)
+    score[found] = candidates.quality[found] - DISTANCE_WEIGHT_PER_RAD * ways_rad
+    order = sorted(np.flatnonzero(found).tolist(), key=lambda i: (i != context.held, -score[i], i))
     goals: dict[int, JointGoal] = {}
-    solved = np.flatnonzero(found)
-    for i, goal in zip(solved.tolist(), _goals(candidates, solved, qs_pregrasp[solved], context), strict=True):
-        if isinstance(goal, str):
-            rejected[i] = goal
-        else:
-            goals[i] = goal
-    blocked = [i for i in solved.tolist() if i not in goals]
+    blocked: list[int] = []
+    batch = config.keep + config.keep // 2
+    while order and len(goals) < config.keep:
+        tried, order = np.array(order[:batch]), order[batch:]
+        for i, goal in zip(tried.tolist(), _goals(candidates, tried, qs_pregrasp[tried], context), strict=True):
+            if isinstance(goal, str):
+                rejected[i] = goal
+                blocked.append(i)
+            else:
+                goals[i] = goal
     for i in sorted(blocked, key=lambda i: (i != context.held, -float(candidates.quality[i]), i)):
         if len(goals) >= config.keep:
             break
@@ -45,12 +52,10 @@ def shortlist_by_ik(config: IkFilter, candidates: Candidates, context: RankConte
         if other is not None:
             goals[i] = other
             del rejected[i]
-    score = np.full(n, np.nan)
-    for i, goal in goals.items():
-        way_rad = float(np.linalg.norm(goal.q_pregrasp - context.q))
-        score[i] = candidates.quality[i] - DISTANCE_WEIGHT_PER_RAD * way_rad
+            way_rad = float(np.linalg.norm(other.q_pregrasp - context.q))
+            score[i] = candidates.quality[i] - DISTANCE_WEIGHT_PER_RAD * way_rad
     ranked = sorted(goals, key=lambda i: (i != context.held, -score[i], i))
-    rejected.update({i: "reachable, but others rank higher" for i in ranked[config.keep :]})
+    rejected.update(dict.fromkeys((*order, *ranked[config.keep :]), "others rank higher"))
     kept = tuple(ranked[: config.keep])
     return Shortlist(candidates, kept, score, rejected, {i: (goals[i],) for i in kept})
 

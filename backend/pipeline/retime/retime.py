@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +23,7 @@ VELOCITY_SHARE = 0.997
 ACCELERATION_SHARE = 0.97
 """Shares of the limits that are used; the rest is for the curve between grid points."""
 CANDIDATES = 3
-"""Of so many lead-ins that can be timed, the quickest is taken."""
+"""Of so many lead-ins that can be timed, the quickest that touches nothing is taken."""
 CHECK_SPACING_RAD = 0.03
 MOST_LEAVING_RAD = 0.5
 """A motion may begin inside a safety margin, and must have left it after this way."""
@@ -53,18 +54,13 @@ def retime(
     if len(waypoints) == 1 and not moving:
         return Trajectory.hold(waypoints[0], start_s)
     best: Trajectory | None = None
-    blocked = usable = 0
-    for approach in approaches(waypoints, qd_start, own):
-        trajectory = _timed(approach, own, config)
-        if trajectory is None:
-            continue
-        if free is not None and not _stays_free(approach.curve, free):
-            blocked += 1
-            continue
-        usable += 1
-        best = trajectory if best is None or trajectory.end_s < best.end_s else best
-        if not moving or usable == CANDIDATES:
+    blocked = False
+    timed = _timed_each(approaches(waypoints, qd_start, own), own, config)
+    while batch := list(islice(timed, CANDIDATES if moving else 1)):
+        best = _quickest_free(batch, free)
+        if best is not None:
             break
+        blocked = True
     if best is None:
         return Refusal(
             "the rounded path touches something" if blocked else "the path cannot be timed within the limits"
@@ -109,6 +105,22 @@ def _timed(approach: Approach, limits: JointLimits, config: RetimerConfig) -> Tr
     if speed is None or not feasible or not (speed[:-1] + speed[1:] > 1e-9).all():
         return None
     return Trajectory(*timed(curve.coefficients, curve.lengths, speed))
+
+
+def _timed_each(
+    ways: Iterator[Approach], limits: JointLimits, config: RetimerConfig
+) -> Iterator[tuple[Curve, Trajectory]]:
+    """Those that can be timed."""
+    for approach in ways:
+        trajectory = _timed(approach, limits, config)
+        if trajectory is not None:
+            yield approach.curve, trajectory
+
+
+def _quickest_free(batch: list[tuple[Curve, Trajectory]], free: FreeEach | None) -> Trajectory | None:
+    """The quickest trajectory whose curve touches nothing."""
+    in_order = sorted(batch, key=lambda entry: entry[1].end_s)
+    return next((trajectory for curve, trajectory in in_order if free is None or _stays_free(curve, free)), None)
 
 
 def grid_marks(curve: Curve) -> Array:
