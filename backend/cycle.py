@@ -11,9 +11,10 @@ import numpy as np
 
 from backend.kinematics import Kinematics
 from backend.knowledge.grasps import GraspDatabase
-from backend.knowledge.reachability import load_reachability
+from backend.knowledge.motion_aware import PreparedGrasps, load_motion_aware
+from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
-from backend.methods.method import Reachability
+from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
 from backend.pipeline.execute import ArmState
 from backend.pipeline.filter import RankContext, shortlist
@@ -22,7 +23,7 @@ from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
-from backend.pipeline.values import Candidate, CycleResult, PlanRequest, Refusal, Room
+from backend.pipeline.values import Candidate, CycleResult, PlanRequest, Prediction, Refusal, Room
 from backend.pose import Array
 from backend.robots.description import RobotDescription
 from backend.sim.planning_scene import PlanningScene
@@ -71,8 +72,8 @@ class Cycle:
         self._grasps = grasps
         self._think = think
         self._rng = rng
-        ranks_by_reach = isinstance(method.filter, Reachability)
-        self._reachability = load_reachability(robot.name) if ranks_by_reach else None
+        self._reachability = _field_for(method.filter, robot)
+        self._in_motion = _grasps_in_motion_for(method.filter, grasps)
         self._planner: Planner = make_planner(method.planner)
 
     def run(self, start: CycleStart, predictor: Predictor) -> CycleResult:
@@ -89,14 +90,15 @@ class Cycle:
         result = CycleResult(start.number, start.observed_s, start.now_s + self._think.refused_s(0))
         with watch("predict"):
             horizon_s = self.horizon_s(start, ready_s)
-            prediction = predictor.predict(np.array([ready_s, ready_s + horizon_s]))
+            arrive_s = ready_s + horizon_s
+            prediction = predictor.predict(np.array([ready_s, arrive_s, arrive_s + self.method.execution.approach_s]))
         if prediction is None:
             return replace(result, refused_by="predict", why="the object has not been seen yet")
         result = replace(result, prediction=prediction)
         with watch("convert"):
             candidates = convert(self._grasps, prediction.pose(1), self.robot.backoff_m)
             self.scene.move_target(prediction.pose(1))
-        context = self._context(start, ready_s)
+        context = self._context(start, ready_s, prediction)
         with watch("filter"):
             short = shortlist(self.method.filter, candidates, context)
         result = replace(result, shortlist=short)
@@ -144,7 +146,7 @@ class Cycle:
         d = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
         return h.far_s if d > h.far_m else h.middle_s if d > h.near_m else h.near_s
 
-    def _context(self, start: CycleStart, ready_s: float) -> RankContext:
+    def _context(self, start: CycleStart, ready_s: float, prediction: Prediction) -> RankContext:
         return RankContext(
             kinematics=self.kinematics,
             scene=self.scene,
@@ -154,7 +156,21 @@ class Cycle:
             lift_m=self.method.execution.lift_m,
             rng=self._rng,
             reachability=self._reachability,
+            in_motion=self._in_motion,
+            motion=prediction.motion(1, 2),
         )
+
+
+def _field_for(config: FilterConfig, robot: RobotDescription) -> ReachabilityField | None:
+    """What a filter needs to know of reach; None for those that do not ask."""
+    return load_reachability(robot.name) if isinstance(config, Reachability | ReachabilityMotion) else None
+
+
+def _grasps_in_motion_for(config: FilterConfig, grasps: GraspDatabase) -> PreparedGrasps | None:
+    """What a filter needs to know of holding in motion; None for those that do not ask."""
+    if not isinstance(config, MotionAware | ReachabilityMotion):
+        return None
+    return load_motion_aware(grasps.robot, grasps.object).over(grasps.Ts_object_grasp)
 
 
 def remaining(previous: tuple[Path, Trajectory] | None, arm: ArmState) -> Path | None:

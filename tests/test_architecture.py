@@ -11,13 +11,13 @@ ROOT = Path(__file__).parent.parent
 ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "execute")
 HEAVY = {
     "coacd": {"backend/build/convex_parts.py"},
-    "torch": {"backend/build/predictor.py"},
+    "torch": {"backend/build/motion_aware.py", "backend/build/predictor.py"},
     "ompl": {"backend/pipeline/plan/ompl_tree.py"},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": set[str](),
     "duckdb": set[str](),
     "plotly": set[str](),
-    "matplotlib": {"backend/build/reach_figure.py"},
+    "matplotlib": {"backend/build/motion_figure.py", "backend/build/reach_figure.py"},
 }
 
 

@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 
 from backend.episode import Episode
-from backend.errors import InvalidInputError
+from backend.errors import InvalidInputError, MissingResourceError
 from backend.events import SetBeltRate
 from backend.experiments.trial import run_trial
+from backend.knowledge import motion_aware
+from backend.knowledge.motion_aware import load_motion_aware
 from backend.methods import METHODS
 from backend.record import load_trace
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
 from backend.snapshot import Snapshot
+from tests.motion_models import plant_models
 
 
 def scenario(name: str, *overrides: str) -> Scenario:
@@ -48,11 +51,39 @@ def test_another_seed_is_another_trial():
     assert run_trial(setup, seed=1).fingerprint != run_trial(setup, seed=2).fingerprint
 
 
-def test_trials_are_paired_over_methods():
+def test_trials_are_paired_over_methods(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    plant_models(monkeypatch, tmp_path)
     starts = [first_ticks(scenario("ur5_linear_obstacles", f"method={m}"), 5, 1)[0] for m in METHODS]
     for start in starts[1:]:
         np.testing.assert_array_equal(start.T_world_object.matrix, starts[0].T_world_object.matrix)
         np.testing.assert_array_equal(start.Ts_world_obstacle, starts[0].Ts_world_obstacle)
+
+
+@pytest.mark.parametrize("name", ["ours_rm", "motion_aware", "no_seeding", "no_prediction"])
+def test_methods_that_rank_by_motion_say_what_they_ranked_by(
+    name: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+):
+    plant_models(monkeypatch, tmp_path)
+    last = first_ticks(scenario("ur5_linear", f"method={name}"), 3, 40)[-1]
+    assert last.cycle is not None and last.cycle.shortlist is not None and last.cycle.prediction is not None
+    short, motion = last.cycle.shortlist, last.cycle.prediction.motion(1, 2)
+    assert short.motion_quality is not None and ((short.motion_quality > 0.0) & (short.motion_quality < 1.0)).all()
+    assert (short.reachability_m is None) == (name == "motion_aware")
+    if name != "no_prediction":
+        assert motion.speed_mps == pytest.approx(0.05, rel=0.1)
+    model = load_motion_aware("ur5_robotiq", "tomato_soup_can")
+    told = model.quality(short.candidates.Ts_object_grasp, motion.speed_mps, motion.direction_rad)
+    np.testing.assert_array_equal(short.motion_quality, told)
+
+
+def test_a_missing_motion_aware_model_names_file_and_command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    def elsewhere(robot: str, object: str) -> Path:
+        return tmp_path / f"{object}.npz"
+
+    monkeypatch.setattr(motion_aware, "motion_aware_file", elsewhere)
+    words = rf"{tmp_path}/cube\.npz is missing\. .* build motion-aware --robot mico --object cube"
+    with pytest.raises(MissingResourceError, match=words):
+        Episode(scenario("mico_linear", "method=ours_rm", "object=cube"), 0)
 
 
 def test_slower_thought_lets_the_object_go_further_before_the_arm_reacts():
@@ -130,7 +161,8 @@ def test_time_is_up_when_the_scenario_says():
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_every_method_runs(method: str):
+def test_every_method_runs(method: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    plant_models(monkeypatch, tmp_path)
     ticks = first_ticks(scenario("ur5_linear_obstacles", f"method={method}"), 2, 90)
     assert ticks[-1].cycles > 10
 

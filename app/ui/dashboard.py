@@ -15,7 +15,7 @@ from app.ui import palette
 from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
 from app.ui.layers import LAYERS, Layer, Picture
-from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, View
+from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, Panel, View
 from app.ui.panels.legend import add_legend
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
@@ -89,8 +89,10 @@ class Dashboard:
         left.set_width(270)
         gui.main_panel.dock_right()
         gui.main_panel.set_width(290)
-        with left.add_tab("Trial"):
-            self._panels = [panel(gui, self._desk, self._auto_next) for panel in STATUS_PANELS]
+        self._panels: list[Panel] = []
+        for title, panels in STATUS_PANELS:
+            with left.add_tab(title):
+                self._panels += [panel(gui, self._desk, self._auto_next) for panel in panels]
         self._panels += [panel(gui, self._desk, self._auto_next) for panel in CONTROL_PANELS]
         add_legend(gui, self._layers)
         reset = gui.add_command("Reset the view", hotkey="V")

@@ -93,6 +93,28 @@ def legend(rows: list[tuple[Rgb, str]]) -> str:
     )
 
 
+def ranking(heads: tuple[str, ...], rows: list[tuple[Rgb, tuple[str, ...]]]) -> str:
+    """HTML of a table whose rows begin with a coloured mark; the last column is words, the others are figures."""
+    title = "".join(f'<th style="{_cell(i, len(heads))}">{escape(head)}</th>' for i, head in enumerate(heads))
+    lines = "".join(
+        f'<tr><td style="width:10px"><span style="display:block;width:8px;height:8px;border-radius:2px;'
+        f'background:{css(color)}"></span></td>'
+        + "".join(f'<td style="{_cell(i, len(row))}">{escape(text)}</td>' for i, text in enumerate(row))
+        + "</tr>"
+        for color, row in rows
+    )
+    style = "width:calc(100% - 24px);margin:2px 12px;font-size:0.8em;border-collapse:collapse;table-layout:fixed"
+    head_style = f"color:{css(QUIET)};font-weight:400"
+    return f'<table style="{style}"><tr style="{head_style}"><th style="width:10px"></th>{title}</tr>{lines}</table>'
+
+
+def _cell(column: int, columns: int) -> str:
+    if column < columns - 1:
+        return "text-align:right;width:38px;padding-right:4px;font-variant-numeric:tabular-nums;font-weight:inherit"
+    cut = "overflow:hidden;text-overflow:ellipsis;white-space:nowrap"
+    return f"text-align:left;padding-left:6px;font-weight:inherit;{cut}"
+
+
 def heading(text: str) -> str:
     """HTML of a small heading."""
     return (

@@ -60,23 +60,33 @@ def _parser() -> argparse.ArgumentParser:
     _json(survey)
 
     build = commands.add_parser("build", help="make what the robot knows beforehand")
-    build.add_argument("what", choices=["grasps", "reachability", "predictor"])
+    build.add_argument("what", choices=["grasps", "reachability", "motion-aware", "predictor"])
     build.add_argument("--robot", metavar="NAME", help="default: all")
-    build.add_argument("--object", metavar="NAME", help="default: the seven of the project (grasps only)")
+    build.add_argument("--object", metavar="NAME", help="default: the seven of the project (grasps, motion-aware)")
     build.add_argument("--seed", type=int, default=0)
     build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
-    build.add_argument("--workers", type=int, metavar="N", help="default: one per core (grasps, reachability)")
+    build.add_argument(
+        "--attempts", type=int, default=10_000, metavar="N", help="of each pair (default 10000; motion-aware only)"
+    )
+    build.add_argument("--workers", type=int, metavar="N", help="default: one per core (all but predictor)")
     _json(build)
 
     report = commands.add_parser("report", help="measure what the robot knows beforehand")
-    report.add_argument("what", choices=["prediction", "reachability"])
+    report.add_argument("what", choices=["prediction", "reachability", "motion-aware"])
     report.add_argument(
         "--motions", type=int, default=3, metavar="N", help="of each family (default 3; prediction only)"
     )
     report.add_argument("--families", nargs="+", metavar="NAME", help="default: all")
-    report.add_argument("--robot", metavar="NAME", help="default: all (reachability only)")
+    report.add_argument("--robot", metavar="NAME", help="default: all (reachability and motion-aware only)")
+    report.add_argument("--object", metavar="NAME", help="default: all (motion-aware only)")
+    report.add_argument(
+        "--attempts", type=int, default=0, metavar="N", help="fresh ones as well (default 0; motion-aware only)"
+    )
+    report.add_argument("--workers", type=int, metavar="N", help="default: one per core (motion-aware only)")
     report.add_argument("--poses", type=int, default=100_000, metavar="N", help="default 100000 (reachability only)")
-    report.add_argument("--figures", metavar="FOLDER", help="also draw slices of the fields there (reachability only)")
+    report.add_argument(
+        "--figures", metavar="FOLDER", help="also draw slices or curves there (reachability and motion-aware only)"
+    )
     report.add_argument("--seed", type=int, default=0)
     _json(report)
 

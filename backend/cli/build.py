@@ -27,6 +27,10 @@ def run(options: argparse.Namespace) -> int:
             return _predictor(options)
         case "reachability":
             return _reachability(options)
+        case "motion-aware":
+            from backend.cli.build_motion_aware import build_all
+
+            return build_all(options)
         case _:
             return _grasps(options)
 

@@ -11,6 +11,7 @@ import numpy as np
 from backend.errors import InvalidInputError, NotFoundError, not_found_text
 from backend.files import remove
 from backend.knowledge.grasps import grasp_file, remove_grasps
+from backend.knowledge.motion_aware import remove_motion_aware
 from backend.objects import OBJECTS, ObjectDescription, load_object, object_names
 from backend.objects.own import own_file, own_names, save_own
 from backend.robots import ROBOTS
@@ -48,10 +49,11 @@ def _add(options: argparse.Namespace) -> int:
     if wanted.name in own_names() and not options.replace:
         raise InvalidInputError(
             f"There is an object named {wanted.name!r} already ({own_file(wanted.name)}). "
-            "Choose another --name, or say --replace, which also forgets its grasps."
+            "Choose another --name, or say --replace, which also forgets its grasps and models."
         )
     made = make_own(Path(options.mesh), wanted, lambda text: print(f"{wanted.name}: {text}", file=sys.stderr))
     remove_grasps(wanted.name)
+    remove_motion_aware(wanted.name)
     path = save_own(made.described)
     entry = _entry(made.described) | {
         "file": str(path),
@@ -91,8 +93,13 @@ def _remove(options: argparse.Namespace) -> int:
         raise NotFoundError(not_found_text("object of your own", name, own_names()))
     path = own_file(name)
     remove_grasps(name)
+    remove_motion_aware(name)
     remove(path)
-    print(json.dumps({"removed": name, "file": str(path)}) if options.json else f"{name}: removed, with its grasps")
+    print(
+        json.dumps({"removed": name, "file": str(path)})
+        if options.json
+        else f"{name}: removed, with its grasps and models"
+    )
     return 0
 
 

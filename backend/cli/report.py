@@ -19,6 +19,10 @@ def run(options: argparse.Namespace) -> int:
         from backend.cli.report_reachability import report_reachability
 
         return report_reachability(options)
+    if options.what == "motion-aware":
+        from backend.cli.report_motion_aware import report_motion_aware
+
+        return report_motion_aware(options)
     return _prediction(options)
 
 

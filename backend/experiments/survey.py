@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import os
-import signal
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
 
 from backend.experiments.trial import run_trial
+from backend.parallel import spread
 from backend.record import TrialRecord
 from backend.scenario import Scenario
 
@@ -34,19 +31,7 @@ class Row:
 
 def run_jobs(jobs: Iterable[Job], workers: int) -> Iterator[Row]:
     """Run every job in spawned processes; rows come as they are done."""
-    os.environ.setdefault("OMP_NUM_THREADS", "1")
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_interrupts_to_the_parent) as pool:
-        try:
-            for future in as_completed([pool.submit(_run, job) for job in jobs]):
-                yield future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise
-
-
-def _leave_interrupts_to_the_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    return spread(_run, jobs, workers)
 
 
 def _run(job: Job) -> Row:

@@ -64,7 +64,24 @@ class Reachability(Config):
     keep: Annotated[int, Field(ge=1, le=100)] = 10
 
 
-FilterConfig = Annotated[IkFilter | RandomFilter | Reachability, Field(discriminator="kind")]
+class MotionAware(Config):
+    """Keep the grasps likeliest to hold in the predicted motion, by a model trained beforehand (section IV-C)."""
+
+    kind: Literal["motion_aware"] = "motion_aware"
+    keep: Annotated[int, Field(ge=1, le=100)] = 10
+
+
+class ReachabilityMotion(Config):
+    """R+M: keep the best by reachability and the best by motion-aware quality (section IV-C)."""
+
+    kind: Literal["reachability_motion"] = "reachability_motion"
+    keep_each: Annotated[int, Field(ge=1, le=50)] = 5
+    """Of either kind; a grasp that is among both is kept once."""
+
+
+FilterConfig = Annotated[
+    IkFilter | RandomFilter | Reachability | MotionAware | ReachabilityMotion, Field(discriminator="kind")
+]
 
 
 class RrtConnect(Config):

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
 from backend.pose import Array, Pose
 from backend.trajectory import Path, Trajectory
 
@@ -56,6 +58,22 @@ class Prediction:
     def pose(self, index: int) -> Pose:
         return Pose(self.Ts_world_object[index])
 
+    def motion(self, begin: int, end: int) -> PlanarMotion:
+        """From one moment to a later one, in the object's own frame at the first."""
+        moved = self.Ts_world_object[end, :3, 3] - self.Ts_world_object[begin, :3, 3]
+        x, y, _ = self.Ts_world_object[begin, :3, :3].T @ moved
+        took_s = float(self.t_s[end] - self.t_s[begin])
+        return PlanarMotion(float(np.hypot(x, y)) / took_s, float(np.arctan2(y, x)))
+
+
+@dataclass(frozen=True)
+class PlanarMotion:
+    """Where an object goes, in the xy plane of its own frame."""
+
+    speed_mps: float
+    direction_rad: float
+    """From the object's x axis; of no meaning where the speed is next to nothing."""
+
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
@@ -86,6 +104,10 @@ class Shortlist:
     """Index -> reason."""
     branches: dict[int, tuple[JointGoal, ...]] = field(default_factory=dict["int", "tuple[JointGoal, ...]"])
     """IK solutions that a filter has found already, by index."""
+    reachability_m: Array | None = None
+    """(n,) what reachability said of each, where it was asked; positive is reachable."""
+    motion_quality: Array | None = None
+    """(n,) probability that each holds in the predicted motion, where it was asked for."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -169,7 +169,9 @@ class FakeEpisode:
         prediction = Prediction(times, Ts, np.full(9, 0.002), velocity)
         candidates = _candidates(Pose(Ts[-1]))
         kept = tuple(int(i) for i in np.roll(np.arange(30), tick)[:10])
-        shortlist = Shortlist(candidates, kept, np.linspace(1.0, 0.0, 30), {i: "no_ik" for i in range(10, 30)})
+        score = np.linspace(1.0, 0.0, 30)
+        others = {i: "others hold better in this motion" for i in range(30) if i not in kept}
+        shortlist = Shortlist(candidates, kept, score, others, reachability_m=0.2 * score, motion_quality=score)
         q_start, q_goal = self._q(t_s), self._q(t_s + 2.0) + 0.2
         goal = JointGoal(q_goal, q_goal + 0.05)
         i = kept[0]

@@ -24,6 +24,7 @@ from app.ui.geometry import chevrons, ribbon, segments, thinned
 from app.ui.layers import LAYERS, Layer, Picture
 from app.ui.panels import View
 from app.ui.panels.playback import LABELS, speed_label
+from app.ui.panels.ranking import ranking_html
 from app.ui.panels.scenario import ScenarioPanel
 from app.ui.progress import WAIT_S, AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
@@ -96,6 +97,50 @@ def test_the_shortlist_is_shown_best_to_last_and_the_picked_one_apart(server: vi
     np.testing.assert_allclose(hands.batched_positions[: len(shown)], expected, atol=1e-6)
     np.testing.assert_allclose(node(server, "/grasps/predicted/picked").position, picked.T_object_grasp.xyz_m)
     assert len({tuple(color) for color in hands.batched_colors[: len(shown)]}) == len(shown)
+
+
+class Cells(HTMLParser):
+    """The words of a table, row by row."""
+
+    def __init__(self, html: str) -> None:
+        super().__init__()
+        self.rows: list[list[str]] = []
+        self._open = False
+        self.feed(html)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag == "tr":
+            self.rows.append([])
+        elif tag in ("td", "th"):
+            self.rows[-1].append("")
+        self._open = tag in ("td", "th") or (self._open and tag == "span")
+
+    def handle_data(self, data: str) -> None:
+        if self._open:
+            self.rows[-1][-1] += data
+
+    def handle_endtag(self, tag: str) -> None:
+        self._open = self._open and tag != "table"
+
+
+def test_the_ranking_says_what_each_grasp_was_ranked_by_and_what_became_of_it() -> None:
+    cycle = recorded("ur5_linear")[1][80].cycle
+    assert cycle is not None and cycle.shortlist is not None and cycle.picked is not None
+    short = replace(cycle.shortlist, rejected={**cycle.shortlist.rejected, cycle.shortlist.kept[1]: "<out> of reach"})
+    html = ranking_html(cycle, short)
+    heads, *rows = Cells(html).rows
+    assert heads[1:4] == ["no.", "R, cm", "M, %"]
+    assert [int(row[1]) for row in rows] == list(short.kept)
+    assert short.reachability_m is not None and short.motion_quality is not None
+    for row, i in zip(rows, short.kept, strict=True):
+        assert float(row[2]) == pytest.approx(100 * short.reachability_m[i], abs=0.051)
+        assert float(row[3]) == pytest.approx(100 * short.motion_quality[i], abs=0.51)
+    assert [row[4] for row in rows] == ["picked", "<out> of reach"] + [""] * 8
+    assert "20: others hold better in this motion" in html and "<out>" not in html
+    plain = replace(short, reachability_m=None, motion_quality=None)
+    assert Cells(ranking_html(cycle, plain)).rows[0][1:3] == ["no.", "score"]
+    unscored = replace(plain, score=np.full(30, np.nan))
+    assert len(Cells(ranking_html(cycle, unscored)).rows[1]) == 3
 
 
 def test_what_a_cycle_does_not_have_is_not_shown(server: viser.ViserServer) -> None:
@@ -248,6 +293,7 @@ def test_whatever_comes_from_outside_is_escaped() -> None:
         words.facts([(evil, evil)]),
         words.bars([(evil, 0.5, evil)], (0, 0, 0)),
         words.note(evil),
+        words.ranking((evil,), [((0, 0, 0), (evil,))]),
         words.crash_text(crash.cause, crash.traceback),
     )
     for piece in pieces:

@@ -112,6 +112,11 @@ def test_bad_counts_are_refused(capsys: pytest.CaptureFixture[str]):
     assert "--poses must be at least 100" in refused(capsys, "report", "reachability", "--poses", "9")
     assert "--workers must be at least 1" in refused(capsys, "build", "reachability", "--workers", "0")
     assert "no robot named 'ur6'" in refused(capsys, "build", "reachability", "--robot", "ur6")
+    for what in ("build", "report"):
+        assert "--workers must be at least 1" in refused(capsys, what, "motion-aware", "--workers", "0")
+        assert "no object named 'cub'" in refused(capsys, what, "motion-aware", "--object", "cub")
+    assert "--attempts must be at least 100" in refused(capsys, "build", "motion-aware", "--attempts", "99")
+    assert "--attempts must not be negative" in refused(capsys, "report", "motion-aware", "--attempts", "-1")
 
 
 def test_ctrl_c_ends_cleanly_and_leaves_no_file(tmp_path: Path):

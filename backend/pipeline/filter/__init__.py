@@ -1,10 +1,12 @@
 """filter: Candidates -> Shortlist. One file per way to rank."""
 
-from backend.methods.method import FilterConfig, IkFilter, RandomFilter, Reachability
+from backend.methods.method import FilterConfig, IkFilter, MotionAware, RandomFilter, Reachability, ReachabilityMotion
 from backend.pipeline.filter.ik import shortlist_by_ik
+from backend.pipeline.filter.motion_aware import shortlist_by_motion
 from backend.pipeline.filter.random import shortlist_random
 from backend.pipeline.filter.ranking import RankContext
 from backend.pipeline.filter.reachability import shortlist_by_reachability
+from backend.pipeline.filter.reachability_motion import shortlist_by_both
 from backend.pipeline.values import Candidates, Shortlist
 
 __all__ = ["RankContext", "shortlist"]
@@ -19,3 +21,7 @@ def shortlist(config: FilterConfig, candidates: Candidates, context: RankContext
             return shortlist_random(config, candidates, context)
         case Reachability():
             return shortlist_by_reachability(config, candidates, context)
+        case MotionAware():
+            return shortlist_by_motion(config, candidates, context)
+        case ReachabilityMotion():
+            return shortlist_by_both(config, candidates, context)

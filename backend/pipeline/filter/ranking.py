@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from backend.kinematics import Kinematics
+from backend.knowledge.motion_aware import PreparedGrasps
 from backend.knowledge.reachability import ReachabilityField
+from backend.pipeline.values import PlanarMotion
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
 
@@ -28,3 +30,7 @@ class RankContext:
     rng: np.random.Generator
     reachability: ReachabilityField | None = None
     """Loaded for the methods that rank with it."""
+    in_motion: PreparedGrasps | None = None
+    """The database's grasps, whose quality in motion is asked for; loaded for the methods that rank with it."""
+    motion: PlanarMotion | None = None
+    """What the object is predicted to do during the approach."""

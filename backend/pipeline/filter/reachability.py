@@ -24,7 +24,7 @@ def shortlist_by_reachability(config: Reachability, candidates: Candidates, cont
     rejected.update(dict.fromkeys(context.put_off, PUT_OFF))
     ranked = sorted(set(range(n)) - set(rejected), key=lambda i: (i != context.held, -score[i], i))
     rejected.update({i: "reachable, but others lie further inside" for i in ranked[config.keep :]})
-    return Shortlist(candidates, tuple(ranked[: config.keep]), score, rejected)
+    return Shortlist(candidates, tuple(ranked[: config.keep]), score, rejected, reachability_m=score)
 
 
 def _why(pregrasp_m: float, grasp_m: float) -> str:

@@ -1,0 +1,114 @@
+"""``report motion-aware``: how good the models that come with the project are, as kept in their files or afresh."""
+
+import argparse
+import json
+import os
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from backend.build.motion_data import source_of
+from backend.build.motion_figure import draw_curves
+from backend.build.motion_measure import measure
+from backend.errors import InvalidInputError, lookup
+from backend.knowledge.grasps import load_grasps
+from backend.knowledge.motion_aware import MotionAwareModel, load_motion_aware
+from backend.objects import OBJECTS, object_names
+from backend.parallel import spread
+from backend.robots import ROBOTS
+
+HEAD = f"{'':<32} {'n':>6} {'held':>6} {'accuracy':>9} {'FPR':>6} {'FNR':>6} {'Brier':>6} {'ECE':>6}"
+
+
+@dataclass(frozen=True)
+class _Job:
+    robot: str
+    object: str
+    seed: int
+    attempts: int
+
+
+def report_motion_aware(options: argparse.Namespace) -> int:
+    """Print the tables, one per hand; always 0."""
+    if options.attempts < 0:
+        raise InvalidInputError(f"--attempts must not be negative (got {options.attempts})")
+    workers = options.workers if options.workers is not None else os.cpu_count() or 1
+    if workers < 1:
+        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
+    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
+        if name is not None:
+            lookup(kind, name, dict.fromkeys(table))
+    robots = [options.robot] if options.robot else list(ROBOTS)
+    objects = [options.object] if options.object else list(OBJECTS)
+    models = {(robot, name): load_motion_aware(robot, name) for robot in robots for name in objects}
+    if options.figures:
+        for robot in robots:
+            path = draw_curves(robot, [models[robot, name] for name in objects], Path(options.figures))
+            print(f"{robot}: curves in {path}", file=sys.stderr)
+    fresh = _afresh([_Job(*pair, options.seed, options.attempts) for pair in models], workers)
+    tables = [_table(model, fresh.get(pair, {})) for pair, model in models.items()]
+    if options.json:
+        print(json.dumps({"motion_aware": tables}))
+        return 0
+    for robot in robots:
+        _print(robot, [table for table in tables if table["robot"] == robot])
+    return 0
+
+
+def _afresh(jobs: list[_Job], workers: int) -> dict[tuple[str, str], dict[str, Any]]:
+    """What fresh attempts say of each model; nothing when none are asked for."""
+    if not jobs or jobs[0].attempts == 0:
+        return {}
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    for pair, measured in spread(_measured, jobs, min(workers, len(jobs))):
+        found[pair] = measured
+        print(f"{pair[0]} {pair[1]} measured", file=sys.stderr, flush=True)
+    return found
+
+
+def _measured(job: _Job) -> tuple[tuple[str, str], dict[str, Any]]:
+    model = load_motion_aware(job.robot, job.object)
+    source = source_of(load_grasps(job.robot, job.object), job.seed)
+    return (job.robot, job.object), measure(source, model, job.attempts, model.facts["attempts"])
+
+
+def _table(model: MotionAwareModel, fresh: dict[str, Any]) -> dict[str, Any]:
+    facts = model.facts
+    kept = {name: facts[name] for name in ("attempts", "seed", "measured", "curves", "ends")}
+    source = source_of(load_grasps(model.robot, model.object), facts["seed"])
+    up_to_date = source.digest() == facts["source"]
+    return {"robot": model.robot, "object": model.object, "up_to_date": up_to_date, **kept, **fresh}
+
+
+def _print(robot: str, tables: list[dict[str, Any]]) -> None:
+    parts = {"trials": "other attempts, same grasps", "grasps": "grasps never trained on"}
+    for part, title in parts.items():
+        print(f"\n{robot}: {title}\n{HEAD}")
+        for table in tables:
+            print(_line(table["object"], table["measured"][part]))
+            if f"{part}_as_in_database" in table["measured"]:
+                print(_line("  grasps as in the database", table["measured"][f"{part}_as_in_database"]))
+    old = [table["object"] for table in tables if not table["up_to_date"]]
+    if old:
+        print(f"\nLearnt from other grasps, shapes, settings or code than are here now: {', '.join(old)}")
+    fresh = [table for table in tables if "fresh" in table]
+    if not fresh:
+        return
+    print(f"\n{robot}: fresh attempts\n{HEAD}")
+    for table in fresh:
+        print(_line(table["object"], table["fresh"]))
+        chance, worth = table["chance"], table["worth"]
+        print(
+            f"  chance caps accuracy at about {chance['accuracy']:.3f} and Brier at {chance['brier']:.3f} "
+            f"({chance['cases']} cases); top 5 hold {worth['ranked']:.3f}, any grasp {worth['anyhow']:.3f} "
+            f"(difference +- {1.96 * worth['standard_error']:.3f}, {worth['motions']} motions)"
+        )
+
+
+def _line(title: str, row: dict[str, Any]) -> str:
+    rates = " ".join(
+        f"{'-':>6}" if row[name] is None else f"{row[name]:>6.3f}"
+        for name in ("false_positive_rate", "false_negative_rate", "brier", "calibration_error")
+    )
+    return f"{title:<32} {row['n']:>6} {row['base_rate']:>6.3f} {row['accuracy']:>9.3f} {rates}"

@@ -1,0 +1,40 @@
+"""R+M: the best by reachability and the best by motion-aware quality, together."""
+
+from dataclasses import replace
+from itertools import chain, zip_longest
+
+import numpy as np
+
+from backend.methods.method import MotionAware, Reachability, ReachabilityMotion
+from backend.pipeline.filter.motion_aware import OTHERS_HOLD_BETTER, shortlist_by_motion
+from backend.pipeline.filter.ranking import RankContext
+from backend.pipeline.filter.reachability import shortlist_by_reachability
+from backend.pipeline.values import Candidates, Shortlist
+
+
+def shortlist_by_both(config: ReachabilityMotion, candidates: Candidates, context: RankContext) -> Shortlist:
+    """The two shortlists in turn, each grasp once.
+
+    As in the paper the better half by motion may be out of reach; IK finds that out. The grasp the arm is moving to
+    comes first while it is reachable. There is no one score to rank by, so ``score`` is NaN.
+    """
+    by_reach = shortlist_by_reachability(Reachability(keep=config.keep_each), candidates, context)
+    unheld = replace(context, held=None)
+    by_motion = shortlist_by_motion(MotionAware(keep=config.keep_each), candidates, unheld)
+    in_turn = chain.from_iterable(zip_longest(by_reach.kept, by_motion.kept))
+    kept = tuple(dict.fromkeys(i for i in in_turn if i is not None))
+    rejected = {i: _why(i, why, by_motion) for i, why in by_reach.rejected.items() if i not in kept}
+    return Shortlist(
+        candidates,
+        kept,
+        np.full(len(candidates.quality), np.nan),
+        rejected,
+        reachability_m=by_reach.reachability_m,
+        motion_quality=by_motion.motion_quality,
+    )
+
+
+def _why(index: int, of_reach: str, by_motion: Shortlist) -> str:
+    """Either list's reason, or the one they share."""
+    of_motion = by_motion.rejected[index]
+    return f"{of_reach}; {of_motion}" if of_motion == OTHERS_HOLD_BETTER else of_motion
