@@ -15,7 +15,7 @@ import numpy as np
 
 from backend import __version__
 from backend.build.annealing import Annealer
-from backend.build.racing import Counts, Heat, Noise, Racers, runners
+from backend.build.racing import Counts, Heat, Noise, Racers, race
 from backend.build.rig import RigSettings
 from backend.build.sectors import SECTORS, count_by_sector, sectors
 from backend.errors import InvalidInputError
@@ -78,22 +78,22 @@ def build_grasps(
     if racers is None:
         racers = _entered(heat, settings, on_progress)
         _save(path, racers)
-    with runners(heat, workers) as pool:
-        for number, (keep, lifts) in enumerate(settings.rounds, 1):
-            going_on = best(racers, keep)
-            told_s = saved_s = time.perf_counter()
-            for _ in pool.run(going_on, lifts, racers):
-                now_s = time.perf_counter()
-                if now_s - told_s > TELL_EVERY_S:
-                    done = int((racers.lifts[going_on] >= lifts).sum())
-                    on_progress(f"round {number} of {len(settings.rounds)}: {done} of {len(going_on)} at {lifts} lifts")
-                    told_s = now_s
-                if now_s - saved_s > SAVE_EVERY_S:
-                    _save(path, racers)
-                    saved_s = now_s
-            _save(path, racers)
-            rate = racers.successes[going_on].sum() / racers.lifts[going_on].sum()
-            on_progress(f"round {number} of {len(settings.rounds)}: {len(going_on)} grasps, {rate:.3f} of lifts hold")
+    for number, (keep, lifts) in enumerate(settings.rounds, 1):
+        going_on = best(racers, keep)
+        title = f"round {number} of {len(settings.rounds)}: "
+        told_s = saved_s = time.perf_counter()
+        for _ in race(heat, racers, going_on, lifts, workers):
+            now_s = time.perf_counter()
+            if now_s - told_s > TELL_EVERY_S:
+                done = int((racers.lifts[going_on] >= lifts).sum())
+                on_progress(f"{title}{done} of {len(going_on)} at {lifts} lifts")
+                told_s = now_s
+            if now_s - saved_s > SAVE_EVERY_S:
+                _save(path, racers)
+                saved_s = now_s
+        _save(path, racers)
+        rate = racers.successes[going_on].sum() / racers.lifts[going_on].sum()
+        on_progress(f"{title}{len(going_on)} grasps, {rate:.3f} of lifts hold")
     if not racers.successes.any():
         raise InvalidInputError(f"{robot} cannot hold {object}: none of {len(racers.lifts)} grasps lifted it.")
     database = _database(heat, settings, racers, count, time.perf_counter() - begun_s)

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import multiprocessing
-import signal
 import time
-from collections.abc import Generator, Iterator
-from concurrent.futures import ProcessPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any
@@ -17,6 +13,7 @@ from numpy.typing import NDArray
 
 from backend.build.rig import Rig, RigSettings
 from backend.objects import load_object
+from backend.parallel import spread
 from backend.pose import Array, Pose
 from backend.robots.models import load_model
 
@@ -98,38 +95,16 @@ class Racers:
 Task = tuple[Heat, list[Todo]]
 
 
-class Runners:
-    """The worker processes of one heat."""
-
-    def __init__(self, heat: Heat, pool: ProcessPoolExecutor) -> None:
-        self._heat = heat
-        self._pool = pool
-
-    def run(self, numbers: Counts, lifts: int, racers: Racers) -> Iterator[int]:
-        """Bring the racers of these ``numbers`` to ``lifts`` lifts; yields how many lifts each step was."""
-        todo: list[Todo] = [
-            (int(r), racers.Ts_object_grasp[r], int(racers.lifts[r]), lifts) for r in numbers if racers.lifts[r] < lifts
-        ]
-        tasks = [(self._heat, todo[i : i + RACERS_PER_TASK]) for i in range(0, len(todo), RACERS_PER_TASK)]
-        for outcomes in self._pool.map(_lift_some, tasks):
-            for racer, done, held, slip_m in outcomes:
-                racers.note(racer, done, held, slip_m)
-            yield sum(outcome[1] for outcome in outcomes)
-
-
-@contextmanager
-def runners(heat: Heat, workers: int) -> Generator[Runners]:
-    """Worker processes that have the hand and the object ready."""
-    context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_interrupts_to_the_parent)
-    try:
-        yield Runners(heat, pool)
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _leave_interrupts_to_the_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def race(heat: Heat, racers: Racers, numbers: Counts, lifts: int, workers: int) -> Iterator[None]:
+    """Bring the racers of these ``numbers`` to ``lifts`` lifts; yields now and then. The order does not matter."""
+    todo: list[Todo] = [
+        (int(r), racers.Ts_object_grasp[r], int(racers.lifts[r]), lifts) for r in numbers if racers.lifts[r] < lifts
+    ]
+    tasks = [(heat, todo[i : i + RACERS_PER_TASK]) for i in range(0, len(todo), RACERS_PER_TASK)]
+    for outcomes in spread(_lift_some, tasks, max(min(workers, len(tasks)), 1)):
+        for racer, done, held, slip_m in outcomes:
+            racers.note(racer, done, held, slip_m)
+        yield
 
 
 @cache

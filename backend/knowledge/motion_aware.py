@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.errors import InvalidInputError, MissingResourceError, lookup
-from backend.files import data_folder, remove, replacing
+from backend.errors import lookup
+from backend.files import data_folder, remove
 from backend.knowledge.motion_features import (
     FEATURES,
     GRASP_FEATURES,
     grasp_features,
     motion_features,
 )
+from backend.knowledge.shelf import ASSETS, Arrays, Label, read, write
 from backend.objects import OBJECTS, object_names
 from backend.pose import Array
 
@@ -125,60 +125,48 @@ def load_motion_aware(robot: str, object: str) -> MotionAwareModel:
 
     lookup("robot", robot, ROBOTS)
     lookup("object", object, dict.fromkeys(object_names()))
-    path = motion_aware_file(robot, object)
-    if not path.is_file():
-        raise MissingResourceError(
-            f"There is no motion-aware model of {object} for {robot}: {path} is missing. {_remedy(robot, object)}"
-        )
-    return read_motion_aware(path, robot, object)
+    return read_motion_aware(motion_aware_file(robot, object), robot, object)
 
 
 def read_motion_aware(path: Path, robot: str, object: str) -> MotionAwareModel:
-    """The model of that pair from a file; raises ``InvalidInputError`` when it holds something else."""
+    """The model of that pair from a file; errors as ``load_motion_aware``."""
+    label = _label(robot, object)
+    arrays, facts = read(path, label)
     try:
-        with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
-            facts = cast(dict[str, Any], json.loads(str(data["facts"])))
-            if facts.get("format") != FORMAT:
-                raise ValueError(f"format {facts.get('format')}, this version reads {FORMAT}")
-            if (facts["robot"], facts["object"]) != (robot, object):
-                raise ValueError(f"it belongs to {facts['robot']} and {facts['object']}")
-            arrays = {name: data[name].astype(np.float32) for name in data.files if name != "facts"}
-        first, second, last = (_layer(arrays, k) for k in range(3))
+        if (facts["robot"], facts["object"]) != (robot, object):
+            raise ValueError(f"it belongs to {facts['robot']} and {facts['object']}")
+        floats = {name: array.astype(np.float32) for name, array in arrays.items()}
+        first, second, last = (_layer(floats, k) for k in range(3))
         slowest, fastest = (float(speed) for speed in facts["speeds_mps"])
         model = MotionAwareModel(
             robot,
             object,
             backoff_m=float(facts["backoff_m"]),
             speeds_mps=(slowest, fastest),
-            center=arrays["center"],
-            scale=arrays["scale"],
+            center=floats["center"],
+            scale=floats["scale"],
             layers=(first, second, last),
             facts=facts,
         )
         _check(model)
-    except Exception as error:
-        raise InvalidInputError(
-            f"{path}: not a motion-aware model of {object} for {robot} ({error}). {_remedy(robot, object)}"
-        ) from error
+    except (KeyError, TypeError, ValueError) as error:
+        raise label.refusal(path, error) from error
     return model
 
 
 def save_motion_aware(model: MotionAwareModel, path: Path | None = None) -> Path:
     """Write a model where ``load_motion_aware`` finds it, or to ``path``; weights as float16, all of it or nothing."""
-    path = path or motion_aware_file(model.robot, model.object)
-    arrays = {"center": model.center, "scale": model.scale}
+    arrays: Arrays = {"center": model.center, "scale": model.scale}
     for k, (weight, bias) in enumerate(model.layers):
         arrays |= {f"weight{k}": weight.astype(np.float16), f"bias{k}": bias}
     own = {"robot": model.robot, "object": model.object, "backoff_m": model.backoff_m, "speeds_mps": model.speeds_mps}
-    facts = np.array(json.dumps({**model.facts, **own, "format": FORMAT}, sort_keys=True))
-    with replacing(path) as file:
-        np.savez_compressed(file, allow_pickle=False, facts=facts, **arrays)
-    return path
+    label = _label(model.robot, model.object)
+    return write(path or motion_aware_file(model.robot, model.object), label, arrays, {**model.facts, **own})
 
 
 def motion_aware_file(robot: str, object: str) -> Path:
     """Where the model of that pair is kept: with the project, or with the user's own objects."""
-    base = Path(__file__).parent.parent / "assets" if object in OBJECTS else data_folder()
+    base = ASSETS if object in OBJECTS else data_folder()
     return base / "motion_aware" / robot / f"{object}.npz"
 
 
@@ -210,5 +198,6 @@ def _check(model: MotionAwareModel) -> None:
         raise ValueError(f"speeds from {model.speeds_mps[0]} to {model.speeds_mps[1]} m/s")
 
 
-def _remedy(robot: str, object: str) -> str:
-    return f"Make it with: python -m backend build motion-aware --robot {robot} --object {object}"
+def _label(robot: str, object: str) -> Label:
+    command = f"python -m backend build motion-aware --robot {robot} --object {object}"
+    return Label(f"motion-aware model of {object} for {robot}", FORMAT, command)

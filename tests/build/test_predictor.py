@@ -165,5 +165,5 @@ def test_weights_of_another_network_are_refused(tmp_path: Path):
     for bad in (fine.lstm_in[:, :-1], np.full_like(fine.lstm_in, np.nan), fine.lstm_in[0]):
         wrong = PredictorWeights(bad, fine.lstm_hidden, fine.lstm_bias, fine.dense, fine.facts)
         path = save_weights(wrong, tmp_path / "w.npz")
-        with pytest.raises(InvalidInputError, match=r"w\.npz: not the weights of this predictor.*build predictor"):
+        with pytest.raises(InvalidInputError, match=r"w\.npz: not a trained predictor .arrays of.*build predictor"):
             LstmPredictor(path)
