@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from backend import __version__
+from backend.cli.reports import REPORTS
 from backend.errors import GraspingError
 
 INTERRUPTED = 130
@@ -59,37 +60,8 @@ def _parser() -> argparse.ArgumentParser:
     survey.add_argument("--out", metavar="FILE", help="write every trial as a line of JSON")
     _json(survey)
 
-    build = commands.add_parser("build", help="make what the robot knows beforehand")
-    build.add_argument("what", choices=["grasps", "reachability", "motion-aware", "predictor"])
-    build.add_argument("--robot", metavar="NAME", help="default: all")
-    build.add_argument("--object", metavar="NAME", help="default: the seven of the project (grasps, motion-aware)")
-    build.add_argument("--seed", type=int, default=0)
-    build.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
-    build.add_argument(
-        "--attempts", type=int, default=10_000, metavar="N", help="of each pair (default 10000; motion-aware only)"
-    )
-    build.add_argument("--workers", type=int, metavar="N", help="default: one per core (all but predictor)")
-    _json(build)
-
-    report = commands.add_parser("report", help="measure what the robot knows beforehand")
-    report.add_argument("what", choices=["prediction", "reachability", "motion-aware"])
-    report.add_argument(
-        "--motions", type=int, default=3, metavar="N", help="of each family (default 3; prediction only)"
-    )
-    report.add_argument("--families", nargs="+", metavar="NAME", help="default: all")
-    report.add_argument("--robot", metavar="NAME", help="default: all (reachability and motion-aware only)")
-    report.add_argument("--object", metavar="NAME", help="default: all (motion-aware only)")
-    report.add_argument(
-        "--attempts", type=int, default=0, metavar="N", help="fresh ones as well (default 0; motion-aware only)"
-    )
-    report.add_argument("--workers", type=int, metavar="N", help="default: one per core (motion-aware only)")
-    report.add_argument("--poses", type=int, default=100_000, metavar="N", help="default 100000 (reachability only)")
-    report.add_argument(
-        "--figures", metavar="FOLDER", help="also draw slices or curves there (reachability and motion-aware only)"
-    )
-    report.add_argument("--seed", type=int, default=0)
-    _json(report)
-
+    _build(commands.add_parser("build", help="make what the robot knows beforehand"))
+    _report(commands.add_parser("report", help="measure what the robot knows beforehand"))
     _object(commands.add_parser("object", help="bring your own objects: add, remove, list"))
 
     bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio")
@@ -103,6 +75,40 @@ def _parser() -> argparse.ArgumentParser:
     info = commands.add_parser("info", help="list robots, objects, tasks, methods, scenarios and versions")
     _json(info)
     return parser
+
+
+def _build(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", choices=["grasps", "reachability", "motion-aware", "predictor"])
+    parser.add_argument("--robot", metavar="NAME", help="default: all")
+    parser.add_argument("--object", metavar="NAME", help="default: the seven of the project (grasps, motion-aware)")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
+    parser.add_argument(
+        "--attempts", type=int, default=10_000, metavar="N", help="of each pair (default 10000; motion-aware only)"
+    )
+    parser.add_argument("--workers", type=int, metavar="N", help="default: one per core (all but predictor)")
+    _json(parser)
+
+
+def _report(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("what", choices=[*REPORTS, "knowledge"])
+    parser.add_argument(
+        "--motions", type=int, default=3, metavar="N", help="of each family (default 3; prediction only)"
+    )
+    parser.add_argument("--families", nargs="+", metavar="NAME", help="default: all")
+    parser.add_argument("--robot", metavar="NAME", help="default: all (all but prediction)")
+    parser.add_argument("--object", metavar="NAME", help="default: the seven (grasps, motion-aware)")
+    parser.add_argument(
+        "--attempts", type=int, default=0, metavar="N", help="fresh ones as well (default 0; motion-aware only)"
+    )
+    parser.add_argument("--workers", type=int, metavar="N", help="default: one per core (motion-aware only)")
+    parser.add_argument("--poses", type=int, default=100_000, metavar="N", help="default 100000 (reachability only)")
+    parser.add_argument("--figures", metavar="FOLDER", help="also draw grasps, slices and curves there")
+    parser.add_argument(
+        "--lifts", type=int, default=0, metavar="N", help="timed, of each pair (default 0; grasps only)"
+    )
+    parser.add_argument("--seed", type=int, default=0)
+    _json(parser)
 
 
 def _object(parser: argparse.ArgumentParser) -> None:

@@ -13,6 +13,7 @@ from scipy.spatial import Delaunay
 
 from backend.build import grasps as builder
 from backend.build.annealing import MOST_UPWARD, Annealer
+from backend.build.grasp_figure import draw_grasps, hand_strokes
 from backend.build.grasps import APART_M, APART_RAD, BRISK, GraspSettings, best, build_grasps, distinct
 from backend.build.object_field import ObjectField, distance_at
 from backend.build.racing import Racers
@@ -247,3 +248,15 @@ def test_a_file_that_is_no_database_is_named(tmp_path: Path):
 def test_quality_is_the_share_of_lifts_that_held():
     database = GraspDatabase("mico", "cube", np.eye(4)[None].repeat(2, axis=0), np.array([4, 10]), np.array([3, 10]))
     assert database.quality.tolist() == [0.75, 1.0]
+
+
+def test_a_picture_is_drawn_of_every_hand(tmp_path: Path):
+    path = draw_grasps([load_grasps("mico", "cube"), load_grasps("mico", "power_drill")], tmp_path)
+    assert path.name == "grasps_mico.png" and path.stat().st_size > 10_000
+
+
+def test_a_drawn_hand_lies_where_the_grasp_is():
+    T = Pose.from_xyz_rpy((0.1, 0.2, 0.3), (np.pi, 0.0, 0.0)).matrix
+    fingers, tips = hand_strokes(T)[:2], hand_strokes(T)[:2, 0]
+    assert np.allclose(tips.mean(axis=0), T[:3, 3])
+    assert np.allclose(fingers[:, 1] - fingers[:, 0], [[0.0, 0.0, 0.025]] * 2)

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from backend.build import motion_data
-from backend.cli import build_motion_aware, main, report_motion_aware
+from backend.cli import build_motion_aware, main
+from backend.cli.reports import motion_aware as report_motion_aware
 from backend.knowledge import motion_aware
 from tests.planted_rig import planted_source
 

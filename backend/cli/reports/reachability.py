@@ -1,7 +1,6 @@
 """``report reachability``: how far the fields that come with the project agree with IK."""
 
 import argparse
-import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -14,25 +13,26 @@ from backend.knowledge.reachability import load_reachability
 from backend.robots import ROBOTS
 
 
-def report_reachability(options: argparse.Namespace) -> int:
-    """Print the tables, one per arm; always 0."""
+def tables(options: argparse.Namespace) -> dict[str, Any]:
+    """A table per arm."""
     if options.poses < 100:
         raise InvalidInputError(f"--poses must be at least 100 (got {options.poses})")
     if options.robot is not None:
         lookup("robot", options.robot, ROBOTS)
-    tables: list[dict[str, Any]] = []
+    found: list[dict[str, Any]] = []
     for robot in [options.robot] if options.robot else list(ROBOTS):
         reach = load_reachability(robot)
         if options.figures:
             path = draw_slices(reach, Path(options.figures))
             print(f"{robot}: slices in {path}", file=sys.stderr)
-        table = report(reach, load_kinematics(robot), options.seed, options.poses, _tell)
-        tables.append(table)
-        if not options.json:
-            _print(table)
-    if options.json:
-        print(json.dumps({"reachability": tables}))
-    return 0
+        found.append(report(reach, load_kinematics(robot), options.seed, options.poses, _tell))
+    return {"reachability": found}
+
+
+def show(measured: dict[str, Any]) -> None:
+    """One after the other."""
+    for table in measured["reachability"]:
+        _print(table)
 
 
 def _tell(text: str) -> None:

@@ -1,7 +1,6 @@
 """``report motion-aware``: how good the models that come with the project are, as kept in their files or afresh."""
 
 import argparse
-import json
 import os
 import sys
 from dataclasses import dataclass
@@ -29,8 +28,8 @@ class _Job:
     attempts: int
 
 
-def report_motion_aware(options: argparse.Namespace) -> int:
-    """Print the tables, one per hand; always 0."""
+def tables(options: argparse.Namespace) -> dict[str, Any]:
+    """A table per hand and object."""
     if options.attempts < 0:
         raise InvalidInputError(f"--attempts must not be negative (got {options.attempts})")
     workers = options.workers if options.workers is not None else os.cpu_count() or 1
@@ -47,13 +46,14 @@ def report_motion_aware(options: argparse.Namespace) -> int:
             path = draw_curves(robot, [models[robot, name] for name in objects], Path(options.figures))
             print(f"{robot}: curves in {path}", file=sys.stderr)
     fresh = _afresh([_Job(*pair, options.seed, options.attempts) for pair in models], workers)
-    tables = [_table(model, fresh.get(pair, {})) for pair, model in models.items()]
-    if options.json:
-        print(json.dumps({"motion_aware": tables}))
-        return 0
-    for robot in robots:
-        _print(robot, [table for table in tables if table["robot"] == robot])
-    return 0
+    return {"motion_aware": [_table(model, fresh.get(pair, {})) for pair, model in models.items()]}
+
+
+def show(measured: dict[str, Any]) -> None:
+    """One table per hand."""
+    found = measured["motion_aware"]
+    for robot in dict.fromkeys(table["robot"] for table in found):
+        _print(robot, [table for table in found if table["robot"] == robot])
 
 
 def _afresh(jobs: list[_Job], workers: int) -> dict[tuple[str, str], dict[str, Any]]:
