@@ -1,6 +1,7 @@
 # make run    the dashboard on http://127.0.0.1:8080 (ARGS="--port 9000 --seed 3" passes flags on)
 # make test   every test, browser tests included
 # make check  formatting, lint, types
+# make knowledge  everything the robot knows beforehand, from nothing: many hours; killed and begun again, it goes on
 # PYTHON=/path/to/python3.11 picks the interpreter that makes the environment
 
 PYTHON ?= python3.11
@@ -10,7 +11,7 @@ STAMP := $(VENV)/.setup-done
 ARGS ?=
 
 .DEFAULT_GOAL := run
-.PHONY: setup run test check screenshots clean
+.PHONY: setup run test check knowledge screenshots clean
 
 setup: $(STAMP)
 
@@ -35,6 +36,13 @@ check: setup
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/pyright
+
+knowledge: setup
+	$(BIN)/python -m backend build reachability
+	$(BIN)/python -m backend build grasps
+	$(BIN)/python -m backend build motion-aware
+	$(BIN)/python -m backend build predictor
+	$(BIN)/python -m backend report knowledge --figures docs
 
 screenshots: setup
 	.ci/chromium

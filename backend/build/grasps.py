@@ -15,6 +15,7 @@ import numpy as np
 
 from backend import __version__
 from backend.build.annealing import Annealer
+from backend.build.digests import code_digest, rig_digest
 from backend.build.racing import Counts, Heat, Noise, Racers, race
 from backend.build.rig import RigSettings
 from backend.build.sectors import SECTORS, count_by_sector, sectors
@@ -36,6 +37,7 @@ SECTOR_SHARE = 1 / 12
 SECTOR_LAG = 0.15
 """Every sector's best go on, up to this share of the places, unless their rate lies that far behind the best."""
 
+CODE = tuple(f"build/{name}.py" for name in ("annealing", "grasps", "hand_points", "object_field", "racing", "sectors"))
 BRISK = RigSettings(
     execution=Execution(approach_s=0.5), close_at_most_s=0.5, lift_s=0.3, hold_s=0.15, solver_iterations=60
 )
@@ -101,6 +103,14 @@ def build_grasps(
     return database
 
 
+def is_up_to_date(database: GraspDatabase, seed: int, count: int, settings: GraspSettings | None = None) -> bool:
+    """Whether ``build_grasps`` would make this very database."""
+    settings = settings or GraspSettings()
+    heat = Heat(database.robot, database.object, seed, settings.rig, settings.noise)
+    facts = database.facts
+    return facts.get("source") == source_digest(heat, settings) and facts.get("wanted") == count
+
+
 def best(racers: Racers, count: int) -> Counts:
     """The numbers of those that held oftenest; among equals the sectors take turns, each with its least slip first."""
     sector = sectors(racers.Ts_object_grasp)
@@ -162,6 +172,8 @@ def _database(heat: Heat, settings: GraspSettings, racers: Racers, count: int, t
         successes=racers.successes[chosen],
         facts={
             "seed": heat.seed,
+            "source": source_digest(heat, settings),
+            "wanted": count,
             "settings": _plain(settings),
             "versions": {"project": __version__, "pybullet": version("pybullet")},
             "candidates": len(racers.lifts),
@@ -177,8 +189,15 @@ def _database(heat: Heat, settings: GraspSettings, racers: Racers, count: int, t
 
 def checkpoint_file(heat: Heat, settings: GraspSettings) -> Path:
     """Where a build that is under way is kept."""
-    digest = hashlib.sha256(json.dumps([_plain(heat), _plain(settings)]).encode()).hexdigest()[:12]
-    return cache_folder() / "builds" / f"grasps-{heat.robot}-{heat.object}-{digest}.npz"
+    return cache_folder() / "builds" / f"grasps-{heat.robot}-{heat.object}-{source_digest(heat, settings)}.npz"
+
+
+def source_digest(heat: Heat, settings: GraspSettings) -> str:
+    """Of everything that decides what a database holds, except how many of the best are kept."""
+    digest = hashlib.sha256(json.dumps([_plain(heat), _plain(settings)]).encode())
+    digest.update(rig_digest(heat.robot, heat.object).encode())
+    digest.update(code_digest(CODE).encode())
+    return digest.hexdigest()[:16]
 
 
 def _plain(settings: Heat | GraspSettings) -> dict[str, Any]:

@@ -19,12 +19,11 @@ from typing import Protocol
 import numpy as np
 
 from backend.build.attempts import Attempts, joined, read_attempts, save_attempts
-from backend.build.code_digest import code_digest
+from backend.build.digests import rig_digest
 from backend.build.rig import Rig
 from backend.errors import InvalidInputError, SimulationError
 from backend.files import cache_folder
 from backend.knowledge.grasps import GraspDatabase
-from backend.methods.method import Execution
 from backend.objects import load_object
 from backend.parallel import spread
 from backend.pose import Array, Pose
@@ -33,8 +32,6 @@ from backend.robots.models import load_model
 OnProgress = Callable[[str], None]
 CHUNK = 250
 """Attempts in a file; at most so many are lost when a process is killed."""
-PHYSICS = ("build/rig.py", "sim/bullet.py", "sim/hand.py", "sim/gripper.py", "pipeline/execute/*.py")
-"""The code that decides how an attempt ends."""
 
 
 class Ended(Protocol):
@@ -139,14 +136,7 @@ class Source:
         digest = hashlib.sha256(json.dumps([self.seed, asdict(self.settings), CHUNK]).encode())
         digest.update(f"{self.make_rig.__module__}.{self.make_rig.__qualname__}".encode())
         digest.update(np.ascontiguousarray(self.Ts_object_grasp).tobytes())
-        digest.update(load_model(self.robot).hand_urdf.parent.name.encode())
-        target = load_object(self.object)
-        digest.update(repr((target.mass_kg, target.lateral_friction, target.spinning_friction)).encode())
-        for part in target.convex_parts:
-            digest.update(part.vertices.tobytes())
-        backend = Path(__file__).parents[1]
-        digest.update(code_digest(path for pattern in PHYSICS for path in backend.glob(pattern)).encode())
-        digest.update(repr(Execution()).encode())
+        digest.update(rig_digest(self.robot, self.object).encode())
         return digest.hexdigest()[:16]
 
 

@@ -7,11 +7,11 @@ import sys
 import time
 from typing import Any
 
-from backend.build.grasps import OnProgress, build_grasps
-from backend.errors import InvalidInputError, lookup
+from backend.build.grasps import OnProgress, build_grasps, is_up_to_date
+from backend.errors import InvalidInputError, MissingResourceError, lookup
 from backend.files import cache_folder
 from backend.kinematics import load_kinematics
-from backend.knowledge.grasps import GraspDatabase, save_grasps
+from backend.knowledge.grasps import GraspDatabase, load_grasps, save_grasps
 from backend.knowledge.predictor import save_weights
 from backend.knowledge.reachability import save_reachability
 from backend.objects import OBJECTS, object_names
@@ -47,7 +47,11 @@ def _grasps(options: argparse.Namespace) -> int:
     for robot in [options.robot] if options.robot else list(ROBOTS):
         for name in [options.object] if options.object else list(OBJECTS):
             begun_s = time.perf_counter()
-            database = build_grasps(robot, name, options.seed, options.count, _teller(robot, name), workers=workers)
+            tell = _teller(robot, name)
+            if not options.again and _is_there(robot, name, options.seed, options.count):
+                tell("up to date; --again makes it anew")
+                continue
+            database = build_grasps(robot, name, options.seed, options.count, tell, workers=workers)
             path = save_grasps(database)
             entry = _entry(database, time.perf_counter() - begun_s) | {"file": str(path)}
             built.append(entry)
@@ -56,6 +60,14 @@ def _grasps(options: argparse.Namespace) -> int:
     if options.json:
         print(json.dumps({"databases": built}))
     return 0
+
+
+def _is_there(robot: str, name: str, seed: int, count: int) -> bool:
+    """Whether the very database that would be built is there already."""
+    try:
+        return is_up_to_date(load_grasps(robot, name), seed, count)
+    except (MissingResourceError, InvalidInputError):
+        return False
 
 
 def _reachability(options: argparse.Namespace) -> int:

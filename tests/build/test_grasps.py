@@ -14,7 +14,7 @@ from scipy.spatial import Delaunay
 from backend.build import grasps as builder
 from backend.build.annealing import MOST_UPWARD, Annealer
 from backend.build.grasp_figure import draw_grasps, hand_strokes
-from backend.build.grasps import APART_M, APART_RAD, BRISK, GraspSettings, best, build_grasps, distinct
+from backend.build.grasps import APART_M, APART_RAD, BRISK, GraspSettings, best, build_grasps, distinct, is_up_to_date
 from backend.build.object_field import ObjectField, distance_at
 from backend.build.racing import Racers
 from backend.build.rig import Rig
@@ -75,6 +75,9 @@ def test_the_same_seed_builds_the_same_database_with_any_number_of_workers():
     assert first.facts["seed"] == 5
     assert first.facts["candidates"] == SMALL.candidates
     assert sum(first.facts["sectors_kept"].values()) == 6
+    assert is_up_to_date(first, 5, 6, SMALL)
+    assert not is_up_to_date(first, 5, 7, SMALL) and not is_up_to_date(first, 6, 6, SMALL)
+    assert not is_up_to_date(first, 5, 6, dataclasses.replace(SMALL, rig=dataclasses.replace(BRISK, lift_s=0.5)))
 
 
 def test_a_build_that_was_killed_goes_on_to_the_same_end(no_checkpoints: Path):

@@ -9,7 +9,7 @@ import pytest
 
 from backend.build import motion_data
 from backend.build.attempts import COLUMNS, Attempts
-from backend.build.code_digest import code_digest
+from backend.build.digests import digest_of
 from backend.build.motion_data import CHUNK, AttemptSettings, GraspChoice, Source, chunk_file, draw, gather
 from backend.build.motion_split import SplitSettings, split
 from backend.errors import InvalidInputError
@@ -143,7 +143,7 @@ def test_attempts_of_anything_else_are_kept_elsewhere(other: Source):
 def test_code_counts_and_its_comments_do_not(tmp_path: Path):
     def digest(text: str) -> str:
         (tmp_path / "one.py").write_text(text)
-        return code_digest([tmp_path / "one.py"])
+        return digest_of([tmp_path / "one.py"])
 
     plain = digest("def f(x):\n    return x + 1\n")
     assert digest('"""Room."""\n\ndef f(x):  # why\n    """What."""\n    return x  +  1\n') == plain
