@@ -17,7 +17,7 @@ HEAVY = {
     "ray": set[str](),
     "duckdb": set[str](),
     "plotly": set[str](),
-    "matplotlib": {"backend/build/motion_figure.py", "backend/build/reach_figure.py"},
+    "matplotlib": {f"backend/build/{what}_figure.py" for what in ("grasp", "motion", "reach")},
 }
 
 
