@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from backend.methods.method import Fast, Toppra
-from backend.pipeline.retime import JointLimits, max_speed_ratio, retime, stop
+from backend.pipeline.execute.cartesian import speed_ratio
+from backend.pipeline.retime import JointLimits, retime, stop
 from backend.pipeline.values import Refusal
 from backend.pose import Array
 from backend.trajectory import Path, Trajectory
@@ -113,7 +114,9 @@ def test_a_stop_comes_to_rest_within_limits(limits: JointLimits):
     assert (peak_acceleration(halt) <= 1.05 * limits.acceleration_rps2).all()
 
 
-def test_max_speed_ratio_names_the_fastest_joint(limits: JointLimits):
+def test_the_speed_ratio_is_that_of_the_fastest_joint_in_the_span(limits: JointLimits):
     qs = np.zeros((3, 6))
     qs[1, 2], qs[2, 2] = 0.5 * limits.velocity_rps[2], 1.0 * limits.velocity_rps[2]
-    assert max_speed_ratio(np.array([0.0, 1.0, 1.25]), qs, limits) == pytest.approx(2.0)
+    passed = Trajectory(np.array([4.0, 5.0, 5.25]), qs, np.zeros((3, 6)))
+    assert speed_ratio(passed, limits.velocity_rps) == pytest.approx(2.0)
+    assert speed_ratio(passed, limits.velocity_rps, until_s=1.0) == pytest.approx(0.5)

@@ -1,7 +1,7 @@
 """retime: a path -> the fastest trajectory along it from the arm's current velocity."""
 
-from backend.pipeline.retime.limits import JointLimits, max_speed_ratio
+from backend.pipeline.retime.limits import JointLimits
 from backend.pipeline.retime.retime import retime
 from backend.pipeline.retime.stop import stop
 
-__all__ = ["JointLimits", "max_speed_ratio", "retime", "stop"]
+__all__ = ["JointLimits", "retime", "stop"]

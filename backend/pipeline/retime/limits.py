@@ -23,11 +23,3 @@ class JointLimits:
         """Whether every limit is positive and finite."""
         both = np.concatenate([self.velocity_rps, self.acceleration_rps2])
         return bool(np.isfinite(both).all() and (both > 0.0).all())
-
-
-def max_speed_ratio(t_s: Array, qs: Array, limits: JointLimits) -> float:
-    """Largest joint speed over its limit when (n, dof) postures are passed at increasing times (n,)."""
-    if len(qs) < 2:
-        return 0.0
-    speeds = np.abs(np.diff(qs, axis=0)) / np.diff(t_s)[:, None]
-    return float((speeds / limits.velocity_rps).max())
