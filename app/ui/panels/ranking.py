@@ -44,7 +44,8 @@ def ranking_html(cycle: CycleResult, short: Shortlist) -> str:
         color = palette.PICKED if picked else rank_color(rank, len(short.kept))
         became = "picked" if picked else short.rejected.get(i, "")
         rows.append((color, (str(i), *(figures[i] for _, figures in columns), became)))
-    return words.heading("Shortlist") + words.ranking(heads, rows) + words.note(_of_the_others(short))
+    others = words.heading("The others") + words.note(_of_the_others(short)) if short.rejected else ""
+    return words.heading("Shortlist") + words.ranking(heads, rows) + others
 
 
 def _columns(short: Shortlist) -> list[tuple[str, list[str]]]:
@@ -68,4 +69,4 @@ def _of_the_others(short: Shortlist) -> str:
     reasons = Counter(
         why.split(" by about")[0].split(";")[0] for i, why in short.rejected.items() if i not in short.kept
     )
-    return ". ".join(f"{count}: {why}" for why, count in reasons.most_common(REASONS_SHOWN))
+    return "; ".join(f"{count} × {why}" for why, count in reasons.most_common(REASONS_SHOWN))
