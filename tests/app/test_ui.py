@@ -136,7 +136,7 @@ def test_the_ranking_says_what_each_grasp_was_ranked_by_and_what_became_of_it() 
         assert float(row[2]) == pytest.approx(100 * short.reachability_m[i], abs=0.051)
         assert float(row[3]) == pytest.approx(100 * short.motion_quality[i], abs=0.51)
     assert [row[4] for row in rows] == ["picked", "<out> of reach"] + [""] * 8
-    assert "20 × others hold better in this motion" in html and "<out>" not in html
+    assert "20x others hold better in this motion" in html and "<out>" not in html
     plain = replace(short, reachability_m=None, motion_quality=None)
     assert Cells(ranking_html(cycle, plain)).rows[0][1:3] == ["no.", "score"]
     unscored = replace(plain, score=np.full(30, np.nan))

@@ -69,4 +69,4 @@ def _of_the_others(short: Shortlist) -> str:
     reasons = Counter(
         why.split(" by about")[0].split(";")[0] for i, why in short.rejected.items() if i not in short.kept
     )
-    return "; ".join(f"{count} × {why}" for why, count in reasons.most_common(REASONS_SHOWN))
+    return "; ".join(f"{count}x {why}" for why, count in reasons.most_common(REASONS_SHOWN))
