@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import socket
 
 import uvicorn
@@ -16,6 +17,7 @@ from app.settings import Settings
 from app.ui.dashboard import Dashboard
 
 LARGEST_MESSAGE_BYTES = 8 * 1024 * 1024
+ENDING = (signal.SIGINT, signal.SIGTERM)
 
 
 def serve(settings: Settings, listener: socket.socket, engine: Engine | None = None) -> None:
@@ -52,4 +54,14 @@ def _serve_web(session: Session, dashboard: Dashboard, settings: Settings, liste
     print(f"Dashboard: http://{f'[{host}]' if ':' in host else host}:{port}/{query}", flush=True)
     print("Ctrl-C ends it.", flush=True)
     with contextlib.closing(listener):
-        uvicorn.Server(config).run(sockets=[listener])
+        signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
+        _Server(config).run(sockets=[listener])
+
+
+class _Server(uvicorn.Server):
+    """Ends cleanly however early it is told to: an interrupt amid the event loop's making would wreck it."""
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """By now uvicorn listens for signals; those that came too early are delivered here."""
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
+        await super().startup(sockets)
