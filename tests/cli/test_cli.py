@@ -121,12 +121,14 @@ def test_bad_counts_are_refused(capsys: pytest.CaptureFixture[str]):
 
 def test_ctrl_c_ends_cleanly_and_leaves_no_file(tmp_path: Path):
     trace = tmp_path / "trial.npz"
-    command = [sys.executable, "-m", "backend", "trial", "mico_sinusoidal", "--trace", str(trace)]
+    out_of_reach = ["task.distance_min_m=1.9", "task.distance_max_m=2.0", "task.speed_mps=0.005"]
+    settings = [word for value in out_of_reach for word in ("--set", value)]
+    arguments = ["backend", "trial", "mico_linear", "--trace", str(trace), *settings]
     code = "import signal, runpy, sys; signal.signal(signal.SIGINT, signal.default_int_handler); " + (
-        f"sys.argv = {['backend', *command[3:]]!r}; runpy.run_module('backend', run_name='__main__')"
+        f"sys.argv = {arguments!r}; runpy.run_module('backend', run_name='__main__')"
     )
     process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True)
-    time.sleep(3.0)
+    time.sleep(2.5)
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
