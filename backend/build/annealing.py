@@ -22,7 +22,7 @@ from backend.tasks.setup import TRAY_THICKNESS_M, tray_size_m
 
 STEPS = 260
 COARSE = 7
-"""While annealing every so-manieth point of the hand is looked at; in the end all."""
+"""While annealing one point of the hand in so many is looked at; in the end all."""
 STATIONS = (0.0, 0.5, 1.0)
 """Shares of the way back to the pregrasp at which the open hand must be clear."""
 MOST_UPWARD = 0.05
@@ -37,8 +37,8 @@ CHAINS_AT_ONCE = 400
 
 HandArrays = tuple[Array, Array, Array, Array]
 """pad points (m, 3) for opening zero; their inward normals (m, 3); all and few points of the open hand (n, 3)."""
-PlaceArrays = tuple[FieldArrays, Array, Array]
-"""the object's field; (3,) middle of its mass; (3,) half length and width of the tray, and its thickness."""
+PlaceArrays = tuple[FieldArrays, Array]
+"""the object's field; (3,) half length and width of the tray, and its thickness."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Annealer:
         self._hand: HandArrays = (pads, normals, points, np.ascontiguousarray(points[::COARSE]))
         size = np.array(tray_size_m(target, 0.0))
         tray = np.array([size[0] / 2, size[1] / 2, TRAY_THICKNESS_M])
-        self._place: PlaceArrays = (ObjectField.of(target).arrays, target.center_of_mass_m, tray)
+        self._place: PlaceArrays = (ObjectField.of(target).arrays, tray)
         self._most_open_m = gripper.opening_m - SPARE_M
         self._back_m = model.description.backoff_m
         bounds = np.concatenate([part.bounds_m for part in target.convex_parts])
@@ -88,7 +88,7 @@ def _pads(depth_m: float) -> tuple[Array, Array]:
 def contact_energy(hand: HandArrays, place: PlaceArrays, R: Array, p: Array, opening: float) -> float:
     """Mean over the pads' points of distance (in centimetres) and misalignment (0 to 1)."""
     pads, normals, _, _ = hand
-    field, _, _ = place
+    field, _ = place
     h = 0.002
     total = 0.0
     for i in range(pads.shape[0]):
@@ -110,7 +110,7 @@ def contact_energy(hand: HandArrays, place: PlaceArrays, R: Array, p: Array, ope
 @kernel
 def intrusion(points: Array, place: PlaceArrays, R: Array, p: Array, back: float) -> float:
     """How far, summed in centimetres, points of the hand are too near to object or tray, ``back`` metres back."""
-    field, _, tray = place
+    field, tray = place
     total = 0.0
     ox, oy, oz = p[0] - back * R[0, 2], p[1] - back * R[1, 2], p[2] - back * R[2, 2]
     for i in range(points.shape[0]):

@@ -11,7 +11,8 @@ import trimesh
 
 from backend.kinematics.spheres import hand_joints
 from backend.kinematics.urdf import LinkTree
-from backend.pose import Array, Pose
+from backend.pose import Array
+from backend.robots.meshes import numbers, origin
 from backend.robots.models import RobotModel
 
 SPACING_M = 0.007
@@ -27,7 +28,7 @@ def hand_points(model: RobotModel) -> Array:
     for link in ElementTree.parse(model.hand_urdf).getroot().findall("link"):
         T_tcp_link = T_tcp_root @ poses[str(link.get("name"))]
         for shape in link.findall("collision"):
-            T = T_tcp_link @ _origin(shape)
+            T = T_tcp_link @ origin(shape).matrix
             mesh = _mesh(shape, model.hand_urdf.parent)
             count = max(24, int(4 * mesh.area / SPACING_M**2))
             drawn = np.concatenate([mesh.vertices, trimesh.sample.sample_surface(mesh, count, seed=0)[0]])
@@ -35,18 +36,10 @@ def hand_points(model: RobotModel) -> Array:
     return _thinned(np.concatenate(points))
 
 
-def _origin(shape: ElementTree.Element) -> Array:
-    origin = shape.find("origin")
-    if origin is None:
-        return np.eye(4)
-    xyz, rpy = ([float(v) for v in str(origin.get(name, "0 0 0")).split()] for name in ("xyz", "rpy"))
-    return Pose.from_xyz_rpy((xyz[0], xyz[1], xyz[2]), (rpy[0], rpy[1], rpy[2])).matrix
-
-
 def _mesh(shape: ElementTree.Element, folder: Path) -> trimesh.Trimesh:
     box, mesh = shape.find("geometry/box"), shape.find("geometry/mesh")
     if box is not None:
-        return trimesh.creation.box([float(v) for v in str(box.get("size")).split()])
+        return trimesh.creation.box(numbers(str(box.get("size"))))
     assert mesh is not None
     return cast(trimesh.Trimesh, trimesh.load(folder / str(mesh.get("filename")), force="mesh"))
 

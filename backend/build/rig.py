@@ -188,9 +188,7 @@ class Rig:
         gripper = self.model.description.gripper
         rad = gripper.open_rad
         while rad < gripper.closed_rad:
-            gap_m = min(
-                self._bullet.closest_distance_m(self._hand.body, b, MOST_GAP_M) or MOST_GAP_M for b in self._others
-            )
+            gap_m = self._gap_m()
             if gap_m < SAFE_GAP_M:
                 break
             rad = min(rad + (gap_m - 0.5 * SAFE_GAP_M) / FINGER_M, gripper.closed_rad)

@@ -2,20 +2,17 @@
 
 import argparse
 import json
-import os
-import sys
 import time
 from typing import Any
 
-from backend.build.grasps import OnProgress, build_grasps, is_up_to_date
-from backend.errors import InvalidInputError, MissingResourceError, lookup
+from backend.build.grasps import build_grasps, is_up_to_date
+from backend.cli.choices import chosen_pairs, chosen_robots, chosen_workers, teller
+from backend.errors import InvalidInputError, MissingResourceError
 from backend.files import cache_folder
 from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import GraspDatabase, load_grasps, save_grasps
 from backend.knowledge.predictor import save_weights
 from backend.knowledge.reachability import save_reachability
-from backend.objects import OBJECTS, object_names
-from backend.robots import ROBOTS
 
 
 def run(options: argparse.Namespace) -> int:
@@ -37,26 +34,22 @@ def run(options: argparse.Namespace) -> int:
 
 def _grasps(options: argparse.Namespace) -> int:
     """The databases asked for, one after the other, each saved when it is done."""
-    workers = _workers(options)
+    workers = chosen_workers(options)
     if options.count < 1:
         raise InvalidInputError(f"--count must be at least 1 (got {options.count})")
-    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
-        if name is not None:
-            lookup(kind, name, dict.fromkeys(table))
     built: list[dict[str, Any]] = []
-    for robot in [options.robot] if options.robot else list(ROBOTS):
-        for name in [options.object] if options.object else list(OBJECTS):
-            begun_s = time.perf_counter()
-            tell = _teller(robot, name)
-            if not options.again and _is_there(robot, name, options.seed, options.count):
-                tell("up to date; --again makes it anew")
-                continue
-            database = build_grasps(robot, name, options.seed, options.count, tell, workers=workers)
-            path = save_grasps(database)
-            entry = _entry(database, time.perf_counter() - begun_s) | {"file": str(path)}
-            built.append(entry)
-            if not options.json:
-                print(f"{robot} {name}: {entry['grasps']} grasps, {entry['held']:.2f} of their lifts held")
+    for robot, name in chosen_pairs(options):
+        begun_s = time.perf_counter()
+        tell = teller(robot, name)
+        if not options.again and _is_there(robot, name, options.seed, options.count):
+            tell("up to date; --again makes it anew")
+            continue
+        database = build_grasps(robot, name, options.seed, options.count, tell, workers=workers)
+        path = save_grasps(database)
+        entry = _entry(database, time.perf_counter() - begun_s) | {"file": str(path)}
+        built.append(entry)
+        if not options.json:
+            print(f"{robot} {name}: {entry['grasps']} grasps, {entry['held']:.2f} of their lifts held")
     if options.json:
         print(json.dumps({"databases": built}))
     return 0
@@ -72,16 +65,15 @@ def _is_there(robot: str, name: str, seed: int, count: int) -> bool:
 
 def _reachability(options: argparse.Namespace) -> int:
     """The field of each arm asked for, saved when it is calibrated and checked."""
-    workers = _workers(options)
+    workers = chosen_workers(options)
     if options.object is not None:
         raise InvalidInputError("--object is of grasps; a reachability field is of an arm, whatever it grasps")
-    if options.robot is not None:
-        lookup("robot", options.robot, ROBOTS)
+    robots = chosen_robots(options)
     from backend.build.reach_finish import finished
 
     built: list[dict[str, Any]] = []
-    for robot in [options.robot] if options.robot else list(ROBOTS):
-        reach = finished(load_kinematics(robot), options.seed, _teller(robot, "reachability"), workers)
+    for robot in robots:
+        reach = finished(load_kinematics(robot), options.seed, teller(robot, "reachability"), workers)
         path = save_reachability(reach)
         size_mb = path.stat().st_size / 1e6
         built.append({"robot": robot, "file": str(path), "size_mb": size_mb, "took_s": reach.facts["took_s"]})
@@ -100,7 +92,7 @@ def _predictor(options: argparse.Namespace) -> int:
 
     begun_s = time.perf_counter()
     checkpoint = cache_folder() / f"predictor-{options.seed}.pt"
-    weights = build_predictor(options.seed, checkpoint, _teller("predictor", f"seed {options.seed}"))
+    weights = build_predictor(options.seed, checkpoint, teller("predictor", f"seed {options.seed}"))
     path = save_weights(weights)
     checkpoint.unlink(missing_ok=True)
     measured = weights.facts["validation"]
@@ -112,13 +104,6 @@ def _predictor(options: argparse.Namespace) -> int:
     return 0
 
 
-def _workers(options: argparse.Namespace) -> int:
-    workers = options.workers if options.workers is not None else os.cpu_count() or 1
-    if workers < 1:
-        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
-    return workers
-
-
 def _entry(database: GraspDatabase, took_s: float) -> dict[str, Any]:
     return {
         "robot": database.robot,
@@ -127,10 +112,3 @@ def _entry(database: GraspDatabase, took_s: float) -> dict[str, Any]:
         "held": round(float(database.successes.sum() / database.lifts.sum()), 3),
         "took_s": round(took_s, 1),
     }
-
-
-def _teller(robot: str, name: str) -> OnProgress:
-    def tell(text: str) -> None:
-        print(f"{robot} {name}: {text}", file=sys.stderr, flush=True)
-
-    return tell

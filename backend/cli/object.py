@@ -10,8 +10,8 @@ import numpy as np
 
 from backend.errors import InvalidInputError, NotFoundError, not_found_text
 from backend.files import remove
-from backend.knowledge.grasps import grasp_file, remove_grasps
-from backend.knowledge.motion_aware import remove_motion_aware
+from backend.knowledge.grasps import grasp_file
+from backend.knowledge.pairs import forget
 from backend.objects import OBJECTS, ObjectDescription, load_object, object_names
 from backend.objects.own import own_file, own_names, save_own
 from backend.robots import ROBOTS
@@ -52,8 +52,7 @@ def _add(options: argparse.Namespace) -> int:
             "Choose another --name, or say --replace, which also forgets its grasps and models."
         )
     made = make_own(Path(options.mesh), wanted, lambda text: print(f"{wanted.name}: {text}", file=sys.stderr))
-    remove_grasps(wanted.name)
-    remove_motion_aware(wanted.name)
+    forget(wanted.name)
     path = save_own(made.described)
     entry = _entry(made.described) | {
         "file": str(path),
@@ -92,8 +91,7 @@ def _remove(options: argparse.Namespace) -> int:
     if name not in own_names():
         raise NotFoundError(not_found_text("object of your own", name, own_names()))
     path = own_file(name)
-    remove_grasps(name)
-    remove_motion_aware(name)
+    forget(name)
     remove(path)
     print(
         json.dumps({"removed": name, "file": str(path)})

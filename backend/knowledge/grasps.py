@@ -9,10 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.errors import lookup
-from backend.files import data_folder, remove
-from backend.knowledge.shelf import ASSETS, Arrays, Label, read, write
-from backend.objects import OBJECTS, object_names
+from backend.knowledge.pairs import check_pair, pair_file
+from backend.knowledge.shelf import Arrays, Label, read, write
 from backend.pose import Array
 
 Counts = NDArray[np.int64]
@@ -49,7 +47,7 @@ def load_grasps(robot: str, object: str) -> GraspDatabase:
     Raises ``NotFoundError`` for unknown names, ``MissingResourceError`` for a database not built yet, and
     ``InvalidInputError`` for a file that is something else.
     """
-    _check_names(robot, object)
+    check_pair(robot, object)
     return read_grasps(grasp_file(robot, object), robot, object)
 
 
@@ -58,8 +56,6 @@ def read_grasps(path: Path, robot: str, object: str) -> GraspDatabase:
     label = _label(robot, object)
     arrays, facts = read(path, label)
     try:
-        if (facts["robot"], facts["object"]) != (robot, object):
-            raise label.refusal(path, f"it belongs to {facts['robot']} and {facts['object']}")
         Ts, lifts, successes = (arrays[name] for name in ("Ts_object_grasp", "lifts", "successes"))
     except KeyError as error:
         raise label.refusal(path, f"{error} is missing") from error
@@ -74,33 +70,14 @@ def save_grasps(database: GraspDatabase, path: Path | None = None) -> Path:
         "lifts": database.lifts,
         "successes": database.successes,
     }
-    facts = {**database.facts, "robot": robot, "object": object}
-    return write(path or grasp_file(robot, object), _label(robot, object), arrays, facts)
-
-
-def remove_grasps(object: str) -> None:
-    """Forget every hand's grasps of a user's object, as when it is no longer what it was.
-
-    Raises ``InvalidInputError`` when a file cannot be removed.
-    """
-    assert object not in OBJECTS, "the project's databases stay"
-    for path in (data_folder() / "grasps").glob(f"*/{object}.npz"):
-        remove(path)
+    return write(path or grasp_file(robot, object), _label(robot, object), arrays, database.facts)
 
 
 def grasp_file(robot: str, object: str) -> Path:
-    """Where the database of that pair is kept: with the project, or with the user's own objects."""
-    base = ASSETS if object in OBJECTS else data_folder()
-    return base / "grasps" / robot / f"{object}.npz"
+    """Where the database of that pair is kept."""
+    return pair_file("grasps", robot, object)
 
 
 def _label(robot: str, object: str) -> Label:
     command = f"python -m backend build grasps --robot {robot} --object {object}"
-    return Label(f"grasp database of {object} for {robot}", FORMAT, command)
-
-
-def _check_names(robot: str, object: str) -> None:
-    from backend.robots import ROBOTS
-
-    lookup("robot", robot, ROBOTS)
-    lookup("object", object, dict.fromkeys(object_names()))
+    return Label(f"grasp database of {object} for {robot}", FORMAT, command, {"robot": robot, "object": object})

@@ -10,16 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from backend.errors import lookup
-from backend.files import data_folder, remove
 from backend.knowledge.motion_features import (
     FEATURES,
     GRASP_FEATURES,
     grasp_features,
     motion_features,
 )
-from backend.knowledge.shelf import ASSETS, Arrays, Label, read, write
-from backend.objects import OBJECTS, object_names
+from backend.knowledge.pairs import check_pair, pair_file
+from backend.knowledge.shelf import Arrays, Label, read, write
 from backend.pose import Array
 
 Floats = NDArray[np.float32]
@@ -121,10 +119,7 @@ def load_motion_aware(robot: str, object: str) -> MotionAwareModel:
     Raises ``NotFoundError`` for unknown names, ``MissingResourceError`` for a model that was not built, and
     ``InvalidInputError`` for a file that is broken or belongs to something else.
     """
-    from backend.robots import ROBOTS
-
-    lookup("robot", robot, ROBOTS)
-    lookup("object", object, dict.fromkeys(object_names()))
+    check_pair(robot, object)
     return read_motion_aware(motion_aware_file(robot, object), robot, object)
 
 
@@ -133,8 +128,6 @@ def read_motion_aware(path: Path, robot: str, object: str) -> MotionAwareModel:
     label = _label(robot, object)
     arrays, facts = read(path, label)
     try:
-        if (facts["robot"], facts["object"]) != (robot, object):
-            raise ValueError(f"it belongs to {facts['robot']} and {facts['object']}")
         floats = {name: array.astype(np.float32) for name, array in arrays.items()}
         first, second, last = (_layer(floats, k) for k in range(3))
         slowest, fastest = (float(speed) for speed in facts["speeds_mps"])
@@ -159,25 +152,14 @@ def save_motion_aware(model: MotionAwareModel, path: Path | None = None) -> Path
     arrays: Arrays = {"center": model.center, "scale": model.scale}
     for k, (weight, bias) in enumerate(model.layers):
         arrays |= {f"weight{k}": weight.astype(np.float16), f"bias{k}": bias}
-    own = {"robot": model.robot, "object": model.object, "backoff_m": model.backoff_m, "speeds_mps": model.speeds_mps}
+    own = {"backoff_m": model.backoff_m, "speeds_mps": model.speeds_mps}
     label = _label(model.robot, model.object)
     return write(path or motion_aware_file(model.robot, model.object), label, arrays, {**model.facts, **own})
 
 
 def motion_aware_file(robot: str, object: str) -> Path:
-    """Where the model of that pair is kept: with the project, or with the user's own objects."""
-    base = ASSETS if object in OBJECTS else data_folder()
-    return base / "motion_aware" / robot / f"{object}.npz"
-
-
-def remove_motion_aware(object: str) -> None:
-    """Forget every hand's model of a user's object, as when it is no longer what it was.
-
-    Raises ``InvalidInputError`` when a file cannot be removed.
-    """
-    assert object not in OBJECTS, "the project's models stay"
-    for path in (data_folder() / "motion_aware").glob(f"*/{object}.npz"):
-        remove(path)
+    """Where the model of that pair is kept."""
+    return pair_file("motion_aware", robot, object)
 
 
 def _layer(arrays: dict[str, Floats], k: int) -> Layer:
@@ -200,4 +182,4 @@ def _check(model: MotionAwareModel) -> None:
 
 def _label(robot: str, object: str) -> Label:
     command = f"python -m backend build motion-aware --robot {robot} --object {object}"
-    return Label(f"motion-aware model of {object} for {robot}", FORMAT, command)
+    return Label(f"motion-aware model of {object} for {robot}", FORMAT, command, {"robot": robot, "object": object})

@@ -159,8 +159,6 @@ def read_reachability(path: Path, robot: str) -> ReachabilityField:
     label = _label(robot)
     arrays, facts = read(path, label)
     try:
-        if facts["robot"] != robot:
-            raise ValueError(f"it belongs to {facts['robot']}, not to {robot}")
         levels = _unpacked(arrays["levels"].tobytes(), tuple(facts["shape"]))
         levels.flags.writeable = False
         numbers = {name: float(facts[name]) for name in _NUMBERS}
@@ -179,7 +177,6 @@ def save_reachability(reach: ReachabilityField, path: Path | None = None) -> Pat
     facts = {
         **reach.facts,
         **{name: getattr(reach, name) for name in _NUMBERS},
-        "robot": reach.robot,
         "shape": reach.levels.shape,
         "origin": reach.origin.tolist(),
         "steps": reach.steps.tolist(),
@@ -195,7 +192,8 @@ def reachability_file(robot: str) -> Path:
 
 
 def _label(robot: str) -> Label:
-    return Label(f"reachability field of {robot}", FORMAT, f"python -m backend build reachability --robot {robot}")
+    command = f"python -m backend build reachability --robot {robot}"
+    return Label(f"reachability field of {robot}", FORMAT, command, {"robot": robot})
 
 
 def _packed(levels: Levels) -> bytes:

@@ -8,7 +8,7 @@ import io
 import json
 import zipfile
 import zlib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, cast
 
@@ -36,6 +36,8 @@ class Label:
     """Of its contents; another one is refused."""
     command: str
     """What makes it anew."""
+    owner: dict[str, str] = field(default_factory=dict[str, str])
+    """Facts that say whose it is; a file of another one is refused."""
 
     @property
     def remedy(self) -> str:
@@ -62,6 +64,8 @@ def read(path: Path, label: Label) -> tuple[Arrays, Facts]:
         facts = cast(Facts, json.loads(str(arrays.pop("facts"))))
         if facts.get("format") != label.format:
             raise ValueError(f"format {facts.get('format')}, this version reads {label.format}")
+        if any(facts[fact] != value for fact, value in label.owner.items()):
+            raise ValueError(f"it belongs to {' and '.join(str(facts[fact]) for fact in label.owner)}")
     except _BROKEN as error:
         raise label.refusal(path, error) from error
     for array in arrays.values():
@@ -71,7 +75,7 @@ def read(path: Path, label: Label) -> tuple[Arrays, Facts]:
 
 def write(path: Path, label: Label, arrays: Arrays, facts: Facts) -> Path:
     """Write a file in one step; one among the project's assets is listed in their manifest too."""
-    facts = {**facts, "format": label.format}
+    facts = {**facts, **label.owner, "format": label.format}
     content = io.BytesIO()
     np.savez_compressed(content, allow_pickle=False, facts=np.array(json.dumps(facts, sort_keys=True)), **arrays)
     with replacing(path) as file:

@@ -161,7 +161,7 @@ def test_a_truncated_field_is_refused_by_name(tmp_path: Path):
 
 
 def test_a_foreign_field_is_refused():
-    with pytest.raises(InvalidInputError, match="it belongs to ur5_robotiq, not to mico"):
+    with pytest.raises(InvalidInputError, match=r"not a reachability field of mico \(it belongs to ur5_robotiq\)"):
         read_reachability(reachability_file("ur5_robotiq"), "mico")
 
 

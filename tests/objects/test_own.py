@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from backend.errors import GraspingError, InvalidInputError, NotFoundError
-from backend.knowledge.grasps import GraspDatabase, grasp_file, load_grasps, remove_grasps, save_grasps
+from backend.knowledge.grasps import GraspDatabase, grasp_file, load_grasps, save_grasps
+from backend.knowledge.pairs import forget
 from backend.objects import OBJECTS, ObjectDescription, load_object, object_names
 from backend.objects.own import load_own, own_file, own_names, save_own
 
@@ -72,5 +73,5 @@ def test_grasps_of_an_own_object_lie_with_it_and_go_with_it(own: Path, thing: Ob
     assert grasp_file("mico", "thing") == own / "grasps" / "mico" / "thing.npz"
     assert len(load_grasps("mico", "thing")) == 1
     assert own not in grasp_file("mico", "cube").parents
-    remove_grasps("thing")
+    forget("thing")
     assert not grasp_file("mico", "thing").exists()

@@ -5,10 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import PreparedGrasps
-from backend.knowledge.reachability import load_reachability
 from backend.methods.method import (
     ConstantVelocity,
     FilterConfig,
@@ -18,14 +16,14 @@ from backend.methods.method import (
     ReachabilityMotion,
 )
 from backend.pipeline.convert import convert
-from backend.pipeline.filter import RankContext, shortlist
+from backend.pipeline.filter import shortlist
 from backend.pipeline.filter.motion_aware import OTHERS_HOLD_BETTER
 from backend.pipeline.filter.ranking import PUT_OFF
 from backend.pipeline.predict import make_predictor
 from backend.pipeline.values import Observation, PlanarMotion, Prediction, Shortlist
 from backend.pose import Pose
-from backend.sim.planning_scene import PlanningScene
 from tests.motion_models import drawn_model
+from tests.pipeline.contexts import context_of
 
 angles = st.floats(-np.pi, np.pi)
 
@@ -76,22 +74,6 @@ def prepared() -> PreparedGrasps:
     )
 
 
-def context_of(held: int | None, put_off: frozenset[int], motion: PlanarMotion) -> RankContext:
-    kinematics = load_kinematics("ur5_robotiq")
-    return RankContext(
-        kinematics=kinematics,
-        scene=PlanningScene(kinematics),
-        q=np.array(kinematics.description.home_rad),
-        held=held,
-        put_off=put_off,
-        lift_m=0.1,
-        rng=np.random.default_rng(0),
-        reachability=load_reachability("ur5_robotiq"),
-        in_motion=prepared(),
-        motion=motion,
-    )
-
-
 def ranked(
     config: FilterConfig,
     x_m: float = 0.8,
@@ -101,7 +83,7 @@ def ranked(
 ) -> Shortlist:
     grasps = load_grasps("ur5_robotiq", "tomato_soup_can")
     candidates = convert(grasps, Pose.from_xyz_yaw((x_m, 0.1, 0.02), 0.4), 0.075)
-    return shortlist(config, candidates, context_of(held, put_off, PlanarMotion(0.03, direction_rad)))
+    return shortlist(config, candidates, context_of(held, put_off, prepared(), PlanarMotion(0.03, direction_rad)))
 
 
 def check_whole(short: Shortlist) -> None:

@@ -3,30 +3,18 @@
 import numpy as np
 import pytest
 
-from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import load_grasps
-from backend.knowledge.reachability import load_reachability
 from backend.methods.method import Reachability
 from backend.pipeline.convert import convert
-from backend.pipeline.filter import RankContext, shortlist
+from backend.pipeline.filter import shortlist
 from backend.pipeline.filter.ranking import PUT_OFF
 from backend.pipeline.values import Shortlist
 from backend.pose import Pose
-from backend.sim.planning_scene import PlanningScene
+from tests.pipeline.contexts import context_of
 
 
 def ranked(x_m: float, held: int | None = None, put_off: frozenset[int] = frozenset()) -> Shortlist:
-    kinematics = load_kinematics("ur5_robotiq")
-    context = RankContext(
-        kinematics=kinematics,
-        scene=PlanningScene(kinematics),
-        q=np.array(kinematics.description.home_rad),
-        held=held,
-        put_off=put_off,
-        lift_m=0.1,
-        rng=np.random.default_rng(0),
-        reachability=load_reachability("ur5_robotiq"),
-    )
+    context = context_of(held, put_off)
     grasps = load_grasps("ur5_robotiq", "tomato_soup_can")
     return shortlist(Reachability(), convert(grasps, Pose.from_xyz_yaw((x_m, 0.1, 0.02), 0.4), 0.075), context)
 

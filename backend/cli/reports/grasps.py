@@ -10,22 +10,19 @@ from backend.build.grasp_figure import draw_grasps
 from backend.build.grasps import BRISK
 from backend.build.racing import Heat, lifts_per_second
 from backend.build.sectors import SECTORS, count_by_sector
-from backend.errors import InvalidInputError, lookup
+from backend.cli.choices import chosen_objects, chosen_robots
+from backend.errors import InvalidInputError
 from backend.knowledge.grasps import GraspDatabase, load_grasps
-from backend.objects import OBJECTS, object_names
-from backend.robots import ROBOTS
 
 
 def tables(options: argparse.Namespace) -> dict[str, Any]:
     """A row per hand and object."""
     if options.lifts < 0:
         raise InvalidInputError(f"--lifts must not be negative (got {options.lifts})")
-    for kind, name, known in (("robot", options.robot, list(ROBOTS)), ("object", options.object, object_names())):
-        if name is not None:
-            lookup(kind, name, dict.fromkeys(known))
+    objects = chosen_objects(options)
     rows: list[dict[str, Any]] = []
-    for robot in [options.robot] if options.robot else list(ROBOTS):
-        databases = [load_grasps(robot, name) for name in ([options.object] if options.object else OBJECTS)]
+    for robot in chosen_robots(options):
+        databases = [load_grasps(robot, name) for name in objects]
         rows += [_row(database, options.lifts, options.seed) for database in databases]
         if options.figures:
             print(f"{robot}: {draw_grasps(databases, Path(options.figures))}", file=sys.stderr)

@@ -1,7 +1,6 @@
 """``report motion-aware``: how good the models that come with the project are, as kept in their files or afresh."""
 
 import argparse
-import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,12 +9,11 @@ from typing import Any
 from backend.build.motion_data import source_of
 from backend.build.motion_figure import draw_curves
 from backend.build.motion_measure import measure
-from backend.errors import InvalidInputError, lookup
+from backend.cli.choices import chosen_objects, chosen_robots, chosen_workers
+from backend.errors import InvalidInputError
 from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import MotionAwareModel, load_motion_aware
-from backend.objects import OBJECTS, object_names
 from backend.parallel import spread
-from backend.robots import ROBOTS
 
 HEAD = f"{'':<32} {'n':>6} {'held':>6} {'accuracy':>9} {'FPR':>6} {'FNR':>6} {'Brier':>6} {'ECE':>6}"
 
@@ -32,14 +30,7 @@ def tables(options: argparse.Namespace) -> dict[str, Any]:
     """A table per hand and object."""
     if options.attempts < 0:
         raise InvalidInputError(f"--attempts must not be negative (got {options.attempts})")
-    workers = options.workers if options.workers is not None else os.cpu_count() or 1
-    if workers < 1:
-        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
-    for kind, name, table in (("robot", options.robot, ROBOTS), ("object", options.object, object_names())):
-        if name is not None:
-            lookup(kind, name, dict.fromkeys(table))
-    robots = [options.robot] if options.robot else list(ROBOTS)
-    objects = [options.object] if options.object else list(OBJECTS)
+    workers, robots, objects = chosen_workers(options), chosen_robots(options), chosen_objects(options)
     models = {(robot, name): load_motion_aware(robot, name) for robot in robots for name in objects}
     if options.figures:
         for robot in robots:

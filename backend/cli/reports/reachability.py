@@ -7,25 +7,23 @@ from typing import Any
 
 from backend.build.reach_figure import draw_slices
 from backend.build.reach_finish import report
-from backend.errors import InvalidInputError, lookup
+from backend.cli.choices import chosen_robots, teller
+from backend.errors import InvalidInputError
 from backend.kinematics import load_kinematics
 from backend.knowledge.reachability import load_reachability
-from backend.robots import ROBOTS
 
 
 def tables(options: argparse.Namespace) -> dict[str, Any]:
     """A table per arm."""
     if options.poses < 100:
         raise InvalidInputError(f"--poses must be at least 100 (got {options.poses})")
-    if options.robot is not None:
-        lookup("robot", options.robot, ROBOTS)
     found: list[dict[str, Any]] = []
-    for robot in [options.robot] if options.robot else list(ROBOTS):
+    for robot in chosen_robots(options):
         reach = load_reachability(robot)
         if options.figures:
             path = draw_slices(reach, Path(options.figures))
             print(f"{robot}: slices in {path}", file=sys.stderr)
-        found.append(report(reach, load_kinematics(robot), options.seed, options.poses, _tell))
+        found.append(report(reach, load_kinematics(robot), options.seed, options.poses, teller()))
     return {"reachability": found}
 
 
@@ -33,10 +31,6 @@ def show(measured: dict[str, Any]) -> None:
     """One after the other."""
     for table in measured["reachability"]:
         _print(table)
-
-
-def _tell(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
 
 
 def _print(table: dict[str, Any]) -> None:

@@ -1,0 +1,50 @@
+"""Choices that commands share: which robots and objects, how many workers; and where progress is told."""
+
+import argparse
+import os
+import sys
+from collections.abc import Callable
+
+from backend.errors import InvalidInputError, lookup
+from backend.objects import OBJECTS, object_names
+from backend.robots import ROBOTS
+
+
+def chosen_robots(options: argparse.Namespace) -> list[str]:
+    """The robot of ``--robot``, or all; raises ``NotFoundError``."""
+    if options.robot is None:
+        return list(ROBOTS)
+    lookup("robot", options.robot, ROBOTS)
+    return [options.robot]
+
+
+def chosen_objects(options: argparse.Namespace) -> list[str]:
+    """The object of ``--object``, also one of the user's own, or the project's seven; raises ``NotFoundError``."""
+    if options.object is None:
+        return list(OBJECTS)
+    lookup("object", options.object, dict.fromkeys(object_names()))
+    return [options.object]
+
+
+def chosen_pairs(options: argparse.Namespace) -> list[tuple[str, str]]:
+    """Robot and object, every chosen one with every other."""
+    robots, objects = chosen_robots(options), chosen_objects(options)
+    return [(robot, name) for robot in robots for name in objects]
+
+
+def chosen_workers(options: argparse.Namespace) -> int:
+    """The number of ``--workers``, or one per core; raises ``InvalidInputError``."""
+    workers = options.workers if options.workers is not None else os.cpu_count() or 1
+    if workers < 1:
+        raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
+    return workers
+
+
+def teller(*words: str) -> Callable[[str], None]:
+    """Tells progress on stderr, every line led by ``words``."""
+    lead = " ".join(words)
+
+    def tell(text: str) -> None:
+        print(f"{lead}: {text}" if lead else text, file=sys.stderr, flush=True)
+
+    return tell
