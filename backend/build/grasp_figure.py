@@ -45,7 +45,7 @@ def _panel(axes: Any, database: GraspDatabase) -> None:
     strokes = np.concatenate([hand_strokes(T) for T in database.Ts_object_grasp])
     colors = np.repeat(colormaps["viridis"](0.85 * shades), len(strokes) // len(database), axis=0)
     axes.add_collection3d(Line3DCollection(list(strokes), colors=colors, linewidths=0.7))
-    points = strokes.reshape(-1, 3)
+    points = np.concatenate([strokes.reshape(-1, 3), target.visual.bounds_m])
     middle, reach = 0.5 * (points.min(axis=0) + points.max(axis=0)), 0.5 * float(np.ptp(points, axis=0).max())
     axes.set(**{f"{axis}lim": (middle[i] - reach, middle[i] + reach) for i, axis in enumerate("xyz")})
     axes.set_title(f"{target.title}: {len(database)}, mean rate {database.quality.mean():.2f}", fontsize=9)
