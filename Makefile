@@ -1,7 +1,7 @@
 # make run    the dashboard on http://127.0.0.1:8080 (ARGS="--port 9000 --seed 3" passes flags on)
 # make test   every test, browser tests included
 # make check  formatting, lint, types
-# make knowledge  everything the robot knows beforehand, from nothing: many hours; killed and begun again, it goes on
+# make knowledge  everything the robot knows beforehand: hours; begun again, it keeps finished grasps and attempts
 # PYTHON=/path/to/python3.11 picks the interpreter that makes the environment
 
 PYTHON ?= python3.11
