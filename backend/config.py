@@ -8,9 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 class Config(BaseModel):
     """Unknown keys, wrong types, NaN and infinity are refused; instances cannot change."""
 
-    model_config = ConfigDict(
-        frozen=True, strict=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
 
 
 PositiveFloat = Annotated[float, Field(gt=0.0)]

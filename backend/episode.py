@@ -133,6 +133,8 @@ class Episode:
     def _change_phase(self) -> None:
         executor = self._pilot.executor
         before = executor.phase
+        if before in ("watch", "move"):
+            return
         executor.advance(self.world.t_s, self.world.gripper, self.world.finger_rad())
         if executor.phase == "close" and before == "approach":
             self._judge.note_grasp(self.world)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -47,13 +48,23 @@ class Trajectory:
             return self.q[0], (self.qd[0] if t_s == self.t_s[0] else np.zeros_like(self.qd[0]))
         if t_s >= self.t_s[-1]:
             return self.q[-1], np.zeros_like(self.qd[-1])
-        i = int(np.searchsorted(self.t_s, t_s, side="right")) - 1
-        h = self.t_s[i + 1] - self.t_s[i]
-        u = (t_s - self.t_s[i]) / h
-        q0, q1, v0, v1 = self.q[i], self.q[i + 1], self.qd[i] * h, self.qd[i + 1] * h
-        delta = q1 - q0
-        c2, c3 = 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta
-        return q0 + u * (v0 + u * (c2 + u * c3)), (v0 + u * (2.0 * c2 + u * 3.0 * c3)) / h
+        i = int(self.t_s.searchsorted(t_s, side="right")) - 1
+        start_s, h = self._spans[i]
+        u = (t_s - start_s) / h
+        v0, c2, c3 = self._cubics[i]
+        return self.q[i] + u * (v0 + u * (c2 + u * c3)), (v0 + u * (2.0 * c2 + u * 3.0 * c3)) / h
+
+    @cached_property
+    def _spans(self) -> list[tuple[float, float]]:
+        """Start and length of each of the n - 1 pieces."""
+        return list(zip(self.t_s[:-1].tolist(), np.diff(self.t_s).tolist(), strict=True))
+
+    @cached_property
+    def _cubics(self) -> Array:
+        """(n - 1, 3, dof) what u, u^2 and u^3 are multiplied by in each piece, u going from 0 to 1."""
+        h = np.diff(self.t_s)[:, None]
+        v0, v1, delta = self.qd[:-1] * h, self.qd[1:] * h, np.diff(self.q, axis=0)
+        return np.stack([v0, 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta], axis=1)
 
     def shifted(self, by_s: float) -> Trajectory:
         """The same motion, ``by_s`` later."""
