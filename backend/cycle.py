@@ -14,7 +14,7 @@ from backend.knowledge.grasps import GraspDatabase
 from backend.knowledge.motion_aware import PreparedGrasps, load_motion_aware
 from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
-from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
+from backend.methods.method import FilterConfig, Intercept, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
 from backend.pipeline.execute import ArmState
 from backend.pipeline.filter import RankContext, shortlist
@@ -138,8 +138,12 @@ class Cycle:
         return result
 
     def horizon_s(self, start: CycleStart, ready_s: float) -> float:
-        """How far beyond the end of thinking to look: the method's step function of the way still to go."""
+        """How far beyond the end of thinking to look, as the method's horizon says."""
         h = self.method.horizon
+        if isinstance(h, Intercept):
+            if start.held is None or start.previous is None:
+                return h.first_s
+            return min(max(start.previous[1].end_s - ready_s, 0.0), h.longest_s)
         if start.held is None:
             return h.far_s
         tcp = self.kinematics.fk(start.arm_at(ready_s).q)

@@ -124,7 +124,17 @@ class StepHorizon(Config):
     far_s: NonNegativeFloat = 2.0
 
 
-HorizonConfig = Annotated[StepHorizon, Field()]
+class Intercept(Config):
+    """As far ahead as the motion in force will still take: where arm and object meet."""
+
+    kind: Literal["intercept"] = "intercept"
+    first_s: NonNegativeFloat = 2.0
+    """Before there is a motion."""
+    longest_s: PositiveFloat = 4.0
+    """Predictions reach no further."""
+
+
+HorizonConfig = Annotated[StepHorizon | Intercept, Field(discriminator="kind")]
 
 
 class Execution(Config):
