@@ -16,14 +16,15 @@ from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
 from backend.methods.method import FilterConfig, Intercept, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
-from backend.pipeline.execute import ArmState
+from backend.pipeline.execute import CLOSE_AT_MOST_S, ApproachRequest, ArmState
 from backend.pipeline.filter import RankContext, shortlist
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
+from backend.pipeline.rehearse import Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
-from backend.pipeline.values import Candidate, CycleResult, PlanRequest, Prediction, Refusal, Room
+from backend.pipeline.values import Candidate, CycleResult, JointGoal, PlanRequest, Prediction, Refusal, Room
 from backend.pose import Array
 from backend.robots.description import RobotDescription
 from backend.sim.planning_scene import PlanningScene
@@ -75,6 +76,7 @@ class Cycle:
         self._reachability = _field_for(method.filter, robot)
         self._in_motion = _grasps_in_motion_for(method.filter, grasps)
         self._planner: Planner = make_planner(method.planner)
+        self.rehearsal = Rehearsal(kinematics, scene, limits.velocity_rps, method.execution.lift_m)
 
     def run(self, start: CycleStart, predictor: Predictor) -> CycleResult:
         """Think once. The result holds every room's output up to the first "no"."""
@@ -112,7 +114,29 @@ class Cycle:
         if not picked:
             return replace(result, refused_by="pick", why=next(iter(refused.values())))
         result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))
+        with watch("pick"):
+            picked, result = self._rehearsed(result, picked, predictor)
         return self._move(start, result, picked, watch)
+
+    def _rehearsed(
+        self, result: CycleResult, picked: tuple[Candidate, ...], predictor: Predictor
+    ) -> tuple[tuple[Candidate, ...], CycleResult]:
+        """The picked grasps from the first on that can be gone in for at the predicted pose."""
+        prediction, short = result.prediction, result.shortlist
+        assert prediction is not None and short is not None
+
+        def request(candidate: Candidate, goal: JointGoal) -> ApproachRequest:
+            return ApproachRequest(
+                arm=ArmState(goal.q_pregrasp, np.zeros_like(goal.q_pregrasp), float(prediction.t_s[1])),
+                object_at=lambda t_s: seen_by(predictor, t_s),
+                T_object_grasp=candidate.T_object_grasp,
+                backoff_m=self.robot.backoff_m,
+                slide_s=self.method.execution.approach_s,
+                ride_s=CLOSE_AT_MOST_S,
+            )
+
+        picked, refused = self.rehearsal.from_the_first_that_works(picked, request)
+        return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
 
     def _move(
         self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], watch: _Stopwatch
@@ -175,6 +199,13 @@ def _grasps_in_motion_for(config: FilterConfig, grasps: GraspDatabase) -> Prepar
     if not isinstance(config, MotionAware | ReachabilityMotion):
         return None
     return load_motion_aware(grasps.robot, grasps.object).over(grasps.Ts_object_grasp)
+
+
+def seen_by(predictor: Predictor, t_s: Array) -> Array:
+    """(n, 4, 4) predicted poses at simulated times (n,), once there is something to predict from."""
+    prediction = predictor.predict(t_s)
+    assert prediction is not None
+    return prediction.Ts_world_object
 
 
 def remaining(previous: tuple[Path, Trajectory] | None, arm: ArmState) -> Path | None:

@@ -160,7 +160,7 @@ class Method(Config):
     name: str
     title: str
     predictor: PredictorConfig = Kalman()
-    horizon: HorizonConfig = StepHorizon()
+    horizon: HorizonConfig = Intercept()
     filter: FilterConfig = IkFilter()
     planner: PlannerConfig = RrtConnect()
     retimer: RetimerConfig = Fast()
