@@ -14,10 +14,11 @@ from backend.knowledge.grasps import GraspDatabase
 from backend.knowledge.motion_aware import PreparedGrasps, load_motion_aware
 from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
-from backend.methods.method import FilterConfig, Intercept, MotionAware, Reachability, ReachabilityMotion
+from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
 from backend.pipeline.execute import CLOSE_AT_MOST_S, ApproachRequest, ArmState
 from backend.pipeline.filter import RankContext, shortlist
+from backend.pipeline.horizon import Underway, horizon_s
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
@@ -48,7 +49,7 @@ class CycleStart:
     previous: tuple[Path, Trajectory] | None
     """The plan in force and its timing."""
     put_off: frozenset[int] = frozenset()
-    """Grasps not to be taken now: their approach was refused a moment ago."""
+    """Grasps not to be taken now: they were refused a moment ago."""
 
 
 class Cycle:
@@ -91,8 +92,7 @@ class Cycle:
         ready_s = start.now_s + self._think.expected_s()
         result = CycleResult(start.number, start.observed_s, start.now_s + self._think.refused_s(0))
         with watch("predict"):
-            horizon_s = self.horizon_s(start, ready_s)
-            arrive_s = ready_s + horizon_s
+            arrive_s = ready_s + horizon_s(self.method.horizon, self._underway(start, ready_s))
             prediction = predictor.predict(np.array([ready_s, arrive_s, arrive_s + self.method.execution.approach_s]))
         if prediction is None:
             return replace(result, refused_by="predict", why="the object has not been seen yet")
@@ -161,18 +161,12 @@ class Cycle:
             return replace(result, plan=plan, trajectory=trajectory)
         return result
 
-    def horizon_s(self, start: CycleStart, ready_s: float) -> float:
-        """How far beyond the end of thinking to look, as the method's horizon says."""
-        h = self.method.horizon
-        if isinstance(h, Intercept):
-            if start.held is None or start.previous is None:
-                return h.first_s
-            return min(max(start.previous[1].end_s - ready_s, 0.0), h.longest_s)
-        if start.held is None:
-            return h.far_s
+    def _underway(self, start: CycleStart, ready_s: float) -> Underway | None:
+        if start.held is None or start.previous is None:
+            return None
         tcp = self.kinematics.fk(start.arm_at(ready_s).q)
-        d = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
-        return h.far_s if d > h.far_m else h.middle_s if d > h.near_m else h.near_s
+        gap_m = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
+        return Underway(gap_m, start.previous[1].end_s - ready_s)
 
     def _context(self, start: CycleStart, ready_s: float, prediction: Prediction) -> RankContext:
         return RankContext(

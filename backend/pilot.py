@@ -29,7 +29,7 @@ from backend.trajectory import Path, Trajectory
 TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
 PUT_OFF_S = 2.0
-"""A grasp whose approach is refused is not taken again for so long."""
+"""A grasp that is refused, by pick, in rehearsal or when going in, is not taken again for so long."""
 
 
 class Pilot:
