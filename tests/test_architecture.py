@@ -12,7 +12,7 @@ ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "exe
 HEAVY = {
     "coacd": {"backend/build/convex_parts.py"},
     "torch": {"backend/build/motion_aware.py", "backend/build/predictor.py"},
-    "ompl": {"backend/pipeline/plan/ompl_tree.py"},
+    "ompl": {f"backend/pipeline/plan/ompl_{what}.py" for what in ("roadmap", "space", "tree")},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": set[str](),
     "duckdb": set[str](),

@@ -94,7 +94,17 @@ class RrtConnect(Config):
     """Budget of state checks; counted, so that a seed gives the same path on any machine."""
 
 
-PlannerConfig = Annotated[RrtConnect, Field()]
+class Prm(Config):
+    """OMPL's PRM in compiled collision checks, the paper's choice (section IV-D)."""
+
+    kind: Literal["prm"] = "prm"
+    seeded: bool = True
+    """Initialise the roadmap with the previous waypoints."""
+    max_checks: Annotated[int, Field(ge=100, le=1_000_000)] = 20_000
+    """Budget of state checks; counted, so that a seed gives the same path on any machine."""
+
+
+PlannerConfig = Annotated[RrtConnect | Prm, Field(discriminator="kind")]
 
 
 class Toppra(Config):

@@ -2,6 +2,7 @@
 
 from backend.methods.method import PlannerConfig
 from backend.pipeline.plan.planner import Planner
+from backend.pipeline.plan.prm import PrmPlanner
 from backend.pipeline.plan.rrt_connect import RrtConnectPlanner
 
 __all__ = ["Planner", "make_planner"]
@@ -12,3 +13,5 @@ def make_planner(config: PlannerConfig) -> Planner:
     match config.kind:
         case "rrt_connect":
             return RrtConnectPlanner(config)
+        case "prm":
+            return PrmPlanner(config)
