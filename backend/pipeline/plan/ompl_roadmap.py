@@ -21,10 +21,11 @@ from backend.pose import Array
 
 NEIGHBOURS = 10
 """How many of the nearest milestones a new one is joined with, at most."""
-NEAR_ENDS = 0.5
-"""Share of the random milestones that are drawn around the start and the goals, where the passages are narrow."""
-NEAR_RAD = 1.5
-"""How far from them at most; nearer ones are likelier."""
+NEAR_ENDS, NEAR_PATH = 0.5, 0.8
+"""Share of the random milestones that are drawn around the ends, where the passages are narrow; or, when there is a
+previous path, around it and the ends, where the way around what blocks it is short."""
+NEAR_RAD = 1.0
+"""How far away from them at most, in each joint; nearer ones are likelier."""
 
 
 def grow(
@@ -37,8 +38,9 @@ def grow(
     """
     start_random_numbers(rng_seed)
     stop_at = count.checks + max_checks
-    ends = np.vstack([start, goals])
-    box = sampled_box(np.vstack([ends, seeds]), limits)
+    path = np.vstack([start, seeds])
+    box = sampled_box(np.vstack([path, goals]), limits)
+    milestones = chain(path, goals, _random_milestones(path, goals, box, np.random.default_rng(rng_seed)))
     roadmap = Roadmap()
 
     def motion_free(a: Array, b: Array) -> bool:
@@ -52,7 +54,6 @@ def grow(
         return count.checks >= stop_at or any(roadmap.joined(start, goal) for goal in goals)
 
     info = space_information(box, count.is_free, motion_free)
-    milestones = chain(start[None], seeds, goals, _random_milestones(ends, box, np.random.default_rng(rng_seed)))
     info.setValidStateSamplerAllocator(_sampler(milestones, count, start.size))
     info.setup()
     prm = og.PRM(info)
@@ -67,12 +68,16 @@ def grow(
     return None
 
 
-def _random_milestones(ends: Array, box: Array, rng: np.random.Generator) -> Iterator[Array]:
+def _random_milestones(path: Array, goals: Array, box: Array, rng: np.random.Generator) -> Iterator[Array]:
     """Postures within the box without end, free or not."""
+    near_share = NEAR_PATH if len(path) > 1 else NEAR_ENDS
     while True:
-        if rng.random() < NEAR_ENDS:
-            offset = rng.uniform(-NEAR_RAD, NEAR_RAD, box.shape[1]) * rng.random()
-            yield np.clip(ends[rng.integers(len(ends))] + offset, box[0], box[1])
+        if rng.random() < near_share:
+            # All goals together count as one: the start is as hard to leave, however many there are.
+            i = rng.integers(len(path) + 1)
+            centre = path[i] if i < len(path) else goals[rng.integers(len(goals))]
+            offset = rng.uniform(-NEAR_RAD, NEAR_RAD, centre.size) * rng.random()
+            yield np.clip(centre + offset, box[0], box[1])
         else:
             yield rng.uniform(box[0], box[1])
 
