@@ -133,6 +133,11 @@ class PlanningScene:
             resolution_rad,
         )
 
+    @property
+    def arrays(self) -> tuple[kernels.RobotArrays, kernels.BodyArrays, kernels.Margins, int]:
+        """What compiled planners read: robot, bodies, margins and options; of now, not to be kept or written to."""
+        return self._robot, self._table.arrays, self._margins, kernels.WITH_TARGET
+
     def clearance_m(self, q: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> float:
         """At most the distance to the nearest forbidden contact, at most ``FAR_M``; no margins."""
         options = _options(target, hand_may_touch_target)

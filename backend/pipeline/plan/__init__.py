@@ -1,6 +1,7 @@
 """plan: a picked grasp's joint goals -> a path that touches nothing."""
 
 from backend.methods.method import PlannerConfig
+from backend.pipeline.plan.chomp import ChompPlanner
 from backend.pipeline.plan.planner import Planner
 from backend.pipeline.plan.prm import PrmPlanner
 from backend.pipeline.plan.rrt_connect import RrtConnectPlanner
@@ -15,3 +16,5 @@ def make_planner(config: PlannerConfig) -> Planner:
             return RrtConnectPlanner(config)
         case "prm":
             return PrmPlanner(config)
+        case "chomp":
+            return ChompPlanner(config)
