@@ -66,6 +66,8 @@ def slope_of_body(body: int, bodies: BodyArrays, x: float, y: float, z: float, e
         distance, gu, gv, gw = slope_of_box(shape, u, v, w)
     else:
         distance, gu, gv, gw = slope_of_parts(body, bodies, u, v, w, enough)
+    if distance >= enough:
+        return enough, 0.0, 0.0, 0.0
     return (
         distance,
         row[0] * gu + row[1] * gv + row[2] * gw,

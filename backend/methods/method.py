@@ -110,17 +110,17 @@ class Chomp(Config):
     kind: Literal["chomp"] = "chomp"
     seeded: bool = True
     """Begin with what is left of the previous path, joined to the new goal."""
-    iterations: Annotated[int, Field(ge=1, le=10_000)] = 60
+    iterations: Annotated[int, Field(ge=1, le=10_000)] = 30
     """Steps down from each beginning; counted, so that a seed gives the same path on any machine."""
     waypoints: Annotated[int, Field(ge=3, le=200)] = 24
     """That are moved, besides the two ends."""
     goals: Annotated[int, Field(ge=1, le=40)] = 4
     """How many of the free goals are tried, preferred first."""
-    bends: Annotated[int, Field(ge=0, le=100)] = 4
+    bends: Annotated[int, Field(ge=0, le=100)] = 12
     """How many bent lines are tried after the straight one, spread over those goals."""
     reach_m: Annotated[float, Field(ge=0.005, le=0.5)] = 0.05
     """Distances below this cost."""
-    smoothness: Annotated[float, Field(gt=0.0, le=10.0)] = 1e-3
+    smoothness: Annotated[float, Field(gt=0.0, le=10.0)] = 1e-4
     """Weight of the squared accelerations against the obstacle cost."""
 
 

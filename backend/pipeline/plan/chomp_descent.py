@@ -77,6 +77,18 @@ def keep_within(qs: Array, limits: Array, metric: Array) -> None:
 
 
 @kernel
+def covariant_step(bend: Array, gradient: Array, metric: Array, smoothness: float) -> Array:
+    """(n, dof) step against smoothness / 2 * (integral of squared accelerations) + obstacle cost, in the metric A.
+
+    ``bend`` (n + 2, dof) is the path less the straight line between its ends, ``gradient`` the obstacle cost's.
+    A^-1 times the first term's gradient is the bend itself. No entry exceeds ``STEP_RAD``.
+    """
+    step = RATE * (bend[1:-1] + np.dot(metric, gradient[1:-1]) / smoothness)
+    largest = np.max(np.abs(step))
+    return step * (STEP_RAD / max(largest, STEP_RAD))
+
+
+@kernel
 def descend(
     scene: SceneArrays, limits: Array, path: Array, metric: Array, reach: float, smoothness: float, iterations: int
 ) -> tuple[bool, int, int]:
@@ -98,11 +110,6 @@ def descend(
             checks += abs(cost)
             if cost > 0:
                 return True, iteration, checks
-        step = RATE * (path - line)
-        step[1:-1] += np.dot(metric, gradient[1:-1]) * (RATE / smoothness)
-        largest = np.max(np.abs(step))
-        if largest > STEP_RAD:
-            step *= STEP_RAD / largest
-        path[1:-1] -= step[1:-1]
+        path[1:-1] -= covariant_step(path - line, gradient, metric, smoothness)
         keep_within(path[1:-1], limits, metric)
     return False, iterations, checks
