@@ -115,6 +115,15 @@ def test_paths_end_exactly_and_touch_nothing(planner: Planner, scene: PlanningSc
     assert solved >= 10
 
 
+def test_most_problems_that_have_a_solution_are_solved(planner: Planner, scene: PlanningScene):
+    """Of those that no straight edge solves and that the complete planner, given as much as it needs, does."""
+    complete = make_planner(RrtConnect(max_checks=200_000))
+    answers = [(request, complete.plan(request, scene)) for request in requests(scene, 60)]
+    hard = [request for request, plan in answers if isinstance(plan, Plan) and plan.how != "straight"]
+    solved = [isinstance(planner.plan(request, scene), Plan) for request in hard]
+    assert len(solved) >= 8 and np.mean(solved) >= 0.7
+
+
 def test_the_same_seed_gives_the_same_path_in_any_order(planner: Planner, scene: PlanningScene):
     asked = requests(scene)
     first = [planner.plan(request, scene) for request in asked]
