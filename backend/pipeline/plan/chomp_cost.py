@@ -47,13 +47,11 @@ def add_turned(frames: Array, body: int, point: Vector, g: Vector, out: Array) -
 
 
 @kernel
-def charge(cost: float, slope: float, node: int, costs: Array, slopes: Array, along: Array) -> None:
-    """Add a cost to one sphere's, and ``slope`` times ``along`` (dof,) to its gradient."""
+def charge(cost: float, node: int, costs: Array, slopes: Array) -> None:
+    """Add a cost to one sphere's; what is to be added to its gradient can be added after."""
     if costs[node] == 0.0:
         slopes[node] = 0.0
     costs[node] += cost
-    for j in range(along.shape[0]):
-        slopes[node, j] += slope * along[j]
 
 
 @kernel
@@ -65,7 +63,6 @@ def charge_group(
     _, nodes, skips, trees, _ = robot
     row, carrier = frames[trees[group, 0]], trees[group, 0]
     margin = margins[0] if body < 0 else bodies[1][body, 7]
-    along = np.empty(slopes.shape[1])
     least = reach
     node = int(trees[group, 1])
     while node < trees[group, 2]:
@@ -78,10 +75,9 @@ def charge_group(
             node = past(skips, node)
             continue
         if skips[node] < 0:
-            along[:] = 0.0
-            add_turned(frames, carrier, (x, y, z), (gx, gy, gz), along)
             cost, slope = hinge(distance - around, reach)
-            charge(cost, slope, node, costs, slopes, along)
+            charge(cost, node, costs, slopes)
+            add_turned(frames, carrier, (x, y, z), (slope * gx, slope * gy, slope * gz), slopes[node])
             least = min(least, distance - around)
         node += 1
     return least
@@ -98,15 +94,15 @@ def charge_pair(
     apart, m, n = nearest_nodes(robot, frames, a, b, reach + margins[1])
     if m < 0:
         return reach
-    between = centers[m] - centers[n]
-    length = max(np.sqrt(np.sum(between**2)), LEAST_WAY_M)
-    gx, gy, gz = between[0] / length, between[1] / length, between[2] / length
-    along = np.zeros(slopes.shape[1])
-    add_turned(frames, trees[a, 0], (centers[m, 0], centers[m, 1], centers[m, 2]), (gx, gy, gz), along)
-    add_turned(frames, trees[b, 0], (centers[n, 0], centers[n, 1], centers[n, 2]), (-gx, -gy, -gz), along)
     cost, slope = hinge(apart - margins[1], reach)
-    charge(cost, slope, m, costs, slopes, along)
-    charge(cost, slope, n, costs, slopes, along)
+    x, y, z = centers[m]
+    u, v, w = centers[n]
+    pull = slope / max(np.sqrt((x - u) ** 2 + (y - v) ** 2 + (z - w) ** 2), LEAST_WAY_M)
+    gx, gy, gz = pull * (x - u), pull * (y - v), pull * (z - w)
+    for node in (m, n):
+        charge(cost, node, costs, slopes)
+        add_turned(frames, trees[a, 0], (x, y, z), (gx, gy, gz), slopes[node])
+        add_turned(frames, trees[b, 0], (u, v, w), (-gx, -gy, -gz), slopes[node])
     return apart - margins[1]
 
 

@@ -83,7 +83,12 @@ def covariant_step(bend: Array, gradient: Array, metric: Array, smoothness: floa
     ``bend`` (n + 2, dof) is the path less the straight line between its ends, ``gradient`` the obstacle cost's.
     A^-1 times the first term's gradient is the bend itself. No entry exceeds ``STEP_RAD``.
     """
-    step = RATE * (bend[1:-1] + np.dot(metric, gradient[1:-1]) / smoothness)
+    n, dof = metric.shape[0], bend.shape[1]
+    step = RATE * bend[1:-1]
+    for i in range(n):
+        for k in range(n):
+            for j in range(dof):
+                step[i, j] += RATE / smoothness * metric[i, k] * gradient[k + 1, j]
     largest = np.max(np.abs(step))
     return step * (STEP_RAD / max(largest, STEP_RAD))
 
