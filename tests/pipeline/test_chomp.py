@@ -101,13 +101,14 @@ def test_distances_to_bodies_and_their_gradients(scene: PlanningScene):
     for body in range(len(bodies[0])):
         middle = bodies[0][body, 9:]
         for x in middle + rng.normal(0.0, 0.07, (300, 3)):
-            distance, *gradient = slope_of_body(body, bodies, *x, 0.15)
-            known = distance_to_body(body, bodies, *x, 0.15)
+            distance, *gradient = slope_of_body(body, bodies, x[0], x[1], x[2], 0.15)
+            known = distance_to_body(body, bodies, x[0], x[1], x[2], 0.15)
             assert distance == pytest.approx(min(known, 0.15), abs=1e-12)
             inside += distance < 0.0
             if distance < 0.15:
                 assert np.linalg.norm(gradient) == pytest.approx(1.0)
-                ahead = slope_of_body(body, bodies, *(x + 1e-7 * np.array(gradient)), 0.16)[0]
+                y = x + 1e-7 * np.array(gradient)
+                ahead = slope_of_body(body, bodies, y[0], y[1], y[2], 0.16)[0]
                 assert ahead - distance == pytest.approx(1e-7, rel=0.2)
     assert inside > 20
 

@@ -2,8 +2,8 @@
 
 Every sphere u has a cost c_u(q) of being near to bodies, to the floor and to other links (Ratliff, Zucker, Bagnell
 and Srinivasa 2009, section III-B). A path's cost is its integral over the length of the sphere's way through the world,
-so that it depends neither on timing nor on how many spheres a link has in a row along its motion; by the trapezoidal
-rule, sum_i (c_i + c_i+1) / 2 |x_i+1 - x_i|, whose gradient is taken as it stands.
+so that timing does not matter to it; by the trapezoidal rule, sum_i (c_i + c_i+1) / 2 |x_i+1 - x_i|, whose gradient is
+taken as it stands. Of two links that are near each other the two nearest spheres are charged.
 """
 
 from __future__ import annotations
