@@ -38,8 +38,8 @@ def inverse_metric(count: int) -> Array:
 
 
 def straight_line(q0: Array, q1: Array, count: int) -> Array:
-    """(count + 2, dof) evenly spaced from ``q0`` to ``q1``: the smoothest path between them."""
-    return q0 + np.linspace(0.0, 1.0, count + 2)[:, None] * (q1 - q0)
+    """(count + 2, dof) evenly spaced from ``q0`` to ``q1``, both exact: the smoothest path between them."""
+    return np.linspace(q0, q1, count + 2)
 
 
 def bent_line(q0: Array, q1: Array, count: int, bend_rad: float, rng: np.random.Generator) -> Array:
