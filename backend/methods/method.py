@@ -124,7 +124,17 @@ class Chomp(Config):
     """Weight of the squared accelerations against the obstacle cost."""
 
 
-PlannerConfig = Annotated[RrtConnect | Prm | Chomp, Field(discriminator="kind")]
+class FastLadder(Config):
+    """Straight edge, previous path reconnected, own trees with shortcuts; compiled, over all grasps picked at once."""
+
+    kind: Literal["fast"] = "fast"
+    seeded: bool = True
+    """Reconnect the previous path, and begin trees with what still holds of it."""
+    max_checks: Annotated[int, Field(ge=100, le=1_000_000)] = 50_000
+    """Budget of state checks; counted, so that a seed gives the same path on any machine."""
+
+
+PlannerConfig = Annotated[RrtConnect | Prm | Chomp | FastLadder, Field(discriminator="kind")]
 
 
 class Toppra(Config):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from backend.kinematics import load_kinematics
-from backend.methods.method import Chomp, PlannerConfig, Prm, RrtConnect
+from backend.methods.method import Chomp, FastLadder, PlannerConfig, Prm, RrtConnect
 from backend.objects import load_object
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.values import Plan, PlanRequest, Refusal
@@ -17,8 +17,9 @@ from backend.robots import ROBOTS
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Path
 
-KINDS = [RrtConnect, Prm, Chomp]
-SAMPLING = [RrtConnect, Prm]
+Kind = type[RrtConnect | Prm | Chomp | FastLadder]
+KINDS = [RrtConnect, Prm, Chomp, FastLadder]
+SAMPLING = [RrtConnect, Prm, FastLadder]
 CONFIGS = [kind(seeded=seeded) for kind in KINDS for seeded in (True, False)]
 FINE_RAD = 0.007
 GRAZE_M = 1e-4
@@ -158,6 +159,15 @@ def test_malformed_goals_are_refused(planner: Planner, scene: PlanningScene, goa
     assert isinstance(answer, Refusal) and answer.why
 
 
+def test_a_goal_beyond_the_limits_is_refused(planner: Planner, scene: PlanningScene):
+    start, free, _ = free_postures(scene, 3, seed=9)
+    stiff = PlanningScene(replace(scene.kinematics, limits=np.stack([start, start])))
+    answer = planner.plan(PlanRequest(start, (free,), None, 1), stiff)
+    assert isinstance(answer, Refusal) and "beyond its limits" in answer.why
+    answer = planner.plan(PlanRequest(start, (free, start), None, 1), stiff)
+    assert isinstance(answer, Plan) and answer.goal_index == 1
+
+
 @pytest.mark.parametrize("waypoints", [np.zeros((4, 3)), np.zeros((0, 6)), np.zeros(6), np.full((3, 6), np.nan)])
 def test_a_seed_path_that_is_none_does_no_harm(planner: Planner, scene: PlanningScene, waypoints: Array):
     request = hard_request(scene, planner)
@@ -181,19 +191,19 @@ def test_many_goals_are_no_harder_than_one(planner: Planner, scene: PlanningScen
 
 @pytest.mark.timeout(60)
 @pytest.mark.parametrize("kind", SAMPLING)
-def test_a_goal_behind_walls_ends_by_its_budget(kind: type[RrtConnect | Prm]):
+def test_a_goal_behind_walls_ends_by_its_budget(kind: Kind):
     scene = PlanningScene(load_kinematics("ur5_robotiq"))
     start = np.array(scene.kinematics.description.home_rad)
     goal = start + np.array([2.5, 0.0, 0.0, 0.0, 0.0, 0.0])
     for yaw in (1.25, 3.9):
         scene.add_box((3.0, 0.02, 3.0), Pose.from_xyz_yaw((1.75 * np.cos(yaw), 1.75 * np.sin(yaw), 1.5), yaw))
-    answer = make_planner(kind(max_checks=200)).plan(PlanRequest(start, (goal,), None, 1), scene)
+    answer = make_planner(kind.model_validate({"max_checks": 200})).plan(PlanRequest(start, (goal,), None, 1), scene)
     assert isinstance(answer, Refusal)
     assert answer.why == "no path to any of 1 goals found" and 200 <= answer.checks < 1000
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_seeding_keeps_to_the_previous_path(kind: type[RrtConnect | Prm | Chomp], scene: PlanningScene):
+def test_seeding_keeps_to_the_previous_path(kind: Kind, scene: PlanningScene):
     """Whoever found that path: a planner that begins with a straight line comes back to its own paths unseeded."""
     seeded, unseeded = make_planner(kind()), make_planner(kind(seeded=False))
     waypoints = hard_path(scene, make_planner(RrtConnect(seeded=False)))
@@ -209,7 +219,7 @@ def test_seeding_keeps_to_the_previous_path(kind: type[RrtConnect | Prm | Chomp]
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_previous_path_that_is_blocked_by_now_is_left_in_time(kind: type[RrtConnect | Prm | Chomp]):
+def test_a_previous_path_that_is_blocked_by_now_is_left_in_time(kind: Kind):
     scene = furnished("ur5_robotiq")
     waypoints = hard_path(scene, make_planner(kind(seeded=False)))
     between = dense(waypoints, 0.02)

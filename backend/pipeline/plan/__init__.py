@@ -2,6 +2,7 @@
 
 from backend.methods.method import PlannerConfig
 from backend.pipeline.plan.chomp import ChompPlanner
+from backend.pipeline.plan.fast import FastPlanner
 from backend.pipeline.plan.planner import Planner
 from backend.pipeline.plan.prm import PrmPlanner
 from backend.pipeline.plan.rrt_connect import RrtConnectPlanner
@@ -18,3 +19,5 @@ def make_planner(config: PlannerConfig) -> Planner:
             return PrmPlanner(config)
         case "chomp":
             return ChompPlanner(config)
+        case "fast":
+            return FastPlanner(config)

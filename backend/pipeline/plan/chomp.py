@@ -33,6 +33,8 @@ class Beginning:
 class ChompPlanner:
     """Straight edge; else the previous path joined to a goal, straight lines and bent lines, until one bends free."""
 
+    grasps_at_once = 1
+
     def __init__(self, config: Chomp) -> None:
         self.config = config
 

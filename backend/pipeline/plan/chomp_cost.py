@@ -11,14 +11,13 @@ from __future__ import annotations
 import numpy as np
 
 from backend.kinematics.chain import move_bodies
-from backend.kinematics.collision import BodyArrays, Margins, RobotArrays, ignored, past, point_in
+from backend.kinematics.collision import ignored, past, point_in
 from backend.kinematics.compiled import kernel
 from backend.kinematics.slopes import nearest_nodes, slope_of_body
 from backend.kinematics.spheres import LEVEL
+from backend.pipeline.plan.edges import SceneArrays
 from backend.pose import Array
 
-SceneArrays = tuple[RobotArrays, BodyArrays, Margins, int]
-"""Robot, bodies, margins and options, see ``PlanningScene.arrays``."""
 Vector = tuple[float, float, float]
 SELF_SHARE = 0.4
 """Links may be this much nearer to each other than to bodies before it costs: neighbours are always near."""

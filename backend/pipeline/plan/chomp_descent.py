@@ -6,11 +6,10 @@ from functools import cache
 
 import numpy as np
 
-from backend.kinematics.collision import edge_checks
 from backend.kinematics.compiled import kernel
-from backend.pipeline.plan.chomp_cost import SceneArrays, obstacle_cost
+from backend.pipeline.plan.chomp_cost import obstacle_cost
+from backend.pipeline.plan.edges import SceneArrays, edges_free
 from backend.pose import Array
-from backend.sim.planning_scene import RESOLUTION_RAD
 
 STEP_RAD = 0.12
 """No joint of any waypoint moves more in one step."""
@@ -48,19 +47,6 @@ def bent_line(q0: Array, q1: Array, count: int, bend_rad: float, rng: np.random.
     path = straight_line(q0, q1, count)
     path[1:-1] += bend * (bend_rad / np.abs(bend).max())
     return path
-
-
-@kernel
-def edges_free(scene: SceneArrays, qs: Array) -> int:
-    """State checks that all edges of a path took, negative when one is blocked. Its first posture must be free."""
-    robot, bodies, margins, options = scene
-    checks = 0
-    for i in range(qs.shape[0] - 1):
-        cost = edge_checks(robot, bodies, margins, options, qs[i], qs[i + 1], RESOLUTION_RAD)
-        checks += abs(cost)
-        if cost < 0:
-            return -checks
-    return checks
 
 
 @kernel

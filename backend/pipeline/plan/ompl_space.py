@@ -11,9 +11,6 @@ from ompl import util as ou
 
 from backend.pose import Array
 
-BEYOND_RAD = float(np.pi)
-"""How far outside the box of all ends joints are sampled."""
-
 
 def start_random_numbers(rng_seed: int) -> None:
     """Make whatever OMPL draws from now on depend on ``rng_seed`` only.
@@ -24,13 +21,6 @@ def start_random_numbers(rng_seed: int) -> None:
     """
     ou.setLogLevel(ou.LogLevel.LOG_NONE)
     ou.RNG.setSeed(1 + rng_seed % (2**31 - 1))
-
-
-def sampled_box(ends: Array, limits: Array) -> Array:
-    """(2, dof) lower and upper bounds, in rad, of the postures worth sampling between ``ends`` (n, dof)."""
-    lower = np.maximum(limits[0], ends.min(axis=0) - BEYOND_RAD)
-    upper = np.minimum(limits[1], ends.max(axis=0) + BEYOND_RAD)
-    return np.stack([lower, upper])
 
 
 def space_information(box: Array, is_free: Callable[[Array], bool], motion_free: Callable[[Array, Array], bool]) -> Any:

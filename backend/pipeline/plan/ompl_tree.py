@@ -10,7 +10,8 @@ import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
 
-from backend.pipeline.plan.ompl_space import sampled_box, space_information, start_random_numbers
+from backend.pipeline.plan.ends import sampled_box
+from backend.pipeline.plan.ompl_space import space_information, start_random_numbers
 from backend.pipeline.plan.seed_path import CheckCount
 from backend.pose import Array
 

@@ -17,6 +17,8 @@ from backend.sim.planning_scene import PlanningScene
 class PrmPlanner:
     """The ladder, and at its top a roadmap, begun with all of the previous path that is free by now."""
 
+    grasps_at_once = 1
+
     def __init__(self, config: Prm) -> None:
         self.config = config
 

@@ -17,6 +17,8 @@ from backend.sim.planning_scene import PlanningScene
 class RrtConnectPlanner:
     """The ladder, and at its top trees from the previous path, then from the start alone."""
 
+    grasps_at_once = 1
+
     def __init__(self, config: RrtConnect) -> None:
         self.config = config
 
