@@ -17,7 +17,10 @@ HEAVY = {
     "ray": set[str](),
     "duckdb": set[str](),
     "plotly": set[str](),
-    "matplotlib": {f"backend/build/{what}_figure.py" for what in ("grasp", "motion", "reach")},
+    "matplotlib": {
+        "backend/bench/seeding_figure.py",
+        *(f"backend/build/{what}_figure.py" for what in ("grasp", "motion", "reach")),
+    },
 }
 
 
