@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import numpy as np
@@ -9,7 +10,7 @@ import numpy as np
 from backend.bench.figure import Figure
 from backend.kinematics import load_kinematics
 
-NEAR_M, NEAR_RAD = 1e-3, np.deg2rad(0.5)
+NEAR_M, NEAR_RAD = 1e-3, math.radians(0.5)
 
 
 def figures(robot: str, poses: int, rng: np.random.Generator) -> list[Figure]:

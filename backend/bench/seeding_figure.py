@@ -20,13 +20,13 @@ def draw_seeding(courses: Sequence[tuple[str, Course]], folder: Path) -> Path:
     """Write ``seeding.png`` into ``folder``: where the hand goes by every plan of a trial, and where it went."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(5.5 * len(courses), 8.5), layout="constrained")
+    figure = Figure(figsize=(6.5 * len(courses), 7.0), layout="constrained")
     axes = figure.subplots(2, len(courses), sharex="row", sharey="row", squeeze=False)
     image = None
     for column, (title, course) in enumerate(courses):
-        for ax, (across, up) in zip(axes[:, column], ((0, 1), (0, 2)), strict=True):
+        for ax, (across, up) in zip(axes[:, column], ((1, 0), (1, 2)), strict=True):
             image = _draw(ax, course, across, up)
-            ax.set(xlabel="x (m)", ylabel=f"{'xyz'[up]} (m)", aspect="equal")
+            ax.set(xlabel="y (m)", ylabel=f"{'xyz'[up]} (m)", aspect="equal")
         axes[0, column].set_title(f"{title}: {len(_plans(course))} plans")
     if image is not None:
         figure.colorbar(image, ax=axes, label="simulated time (s)", shrink=0.6)
