@@ -236,6 +236,15 @@ def free_each(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options:
 
 
 @kernel
+def contact_each(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, qs: Array) -> Integers:
+    """(n, 3) what touches first, see ``contact``, for every row of ``qs`` (n, dof)."""
+    out = np.empty((qs.shape[0], 3), dtype=np.int64)
+    for i in range(qs.shape[0]):
+        out[i, 0], out[i, 1], out[i, 2] = contact(robot, bodies, margins, options, qs[i])
+    return out
+
+
+@kernel
 def edge_checks(
     robot: RobotArrays,
     bodies: BodyArrays,

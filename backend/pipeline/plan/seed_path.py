@@ -72,8 +72,13 @@ def ahead(ends: Ends, seed: Path | None) -> Array:
 
 
 def reconnected(ends: Ends, chain: Array, count: CheckCount) -> Found | None:
-    """Along the previous path as far as possible, then straight to a goal."""
-    for last in range(len(chain) - 1, 0, -1):
+    """Along the previous path as far as possible, then straight to a goal.
+
+    Its end is where the goal was before, so the corner before that is tried first: otherwise every cycle would add
+    a waypoint.
+    """
+    last_first = range(len(chain) - 1, 0, -1)
+    for last in sorted(last_first, key=lambda i: i != len(chain) - 2):
         for index, goal in ends.goals:
             if count.edge_free(chain[last], goal):
                 return Found(np.vstack([ends.lead, chain[1 : last + 1], goal]), index, "reconnected")
