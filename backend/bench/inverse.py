@@ -6,6 +6,7 @@ import math
 import time
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backend.bench.figure import Figure
 from backend.kinematics import load_kinematics
@@ -26,7 +27,7 @@ def figures(robot: str, poses: int, rng: np.random.Generator) -> list[Figure]:
         solution, _ = kinematics.ik_many(Ts[i : i + 1], home)
         took_s[i] = time.perf_counter() - begun_s
         found[i] = solution[0]
-    solved = np.isfinite(found).all(axis=1)
+    solved: NDArray[np.bool_] = np.isfinite(found[:, 0])
     reached = kinematics.fk_many(np.where(solved[:, None], found, home))
     off_m = np.linalg.norm(reached[:, :3, 3] - Ts[:, :3, 3], axis=1)
     cosine = 0.5 * (np.einsum("nij,nij->n", reached[:, :3, :3], Ts[:, :3, :3]) - 1.0)

@@ -29,5 +29,5 @@ class Size:
     """The same, along planned paths."""
 
 
-FULL = Size(12, None, 80, 60, 400, 10_000, 10_000, 10_000)
-QUICK = Size(1, 3.0, 2, 2, 10, 100, 60, 60)
+FULL = Size(6, None, 80, 60, 400, 10_000, 10_000, 10_000)
+QUICK = Size(1, 2.0, 2, 2, 10, 100, 60, 60)

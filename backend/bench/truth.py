@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from pathlib import Path as File
@@ -117,8 +118,7 @@ def figures(
                 if clearance_m >= ROOM_M and truth.self_clearance_m(q, ROOM_M) >= ROOM_M:
                     roomy += 1
                     refused += int(not is_free)
-    on_paths = [deepest_m(course, problem, qs) for course, problem, qs in _sparse(paths, path_postures, rng)]
-    along = np.concatenate(on_paths) if on_paths else np.zeros(0)
+    along = clearances_m(paths, path_postures, rng)
     share = 100.0 * refused / roomy if roomy else float("nan")
     return [
         Figure("truth", "random postures called free that penetrate > 1 mm", deep, "", "<=", 0, free),
@@ -129,19 +129,17 @@ def figures(
     ]
 
 
-def deepest_m(course: Course, problem: Problem, qs: Array) -> Array:
-    """(n,) true clearance of each posture from bodies and from itself."""
-    with Truth(course) as truth:
-        truth.move_target(problem.T_world_object)
-        return np.array([min(truth.clearance_m(q, ROOM_M), truth.self_clearance_m(q)) for q in qs])
-
-
-def _sparse(
-    paths: Sequence[tuple[Course, Problem, Array]], count: int, rng: np.random.Generator
-) -> list[tuple[Course, Problem, Array]]:
-    """Random postures of every path, about ``count`` in all."""
-    each = max(1, count // max(1, len(paths)))
-    return [(course, problem, _between(waypoints, each, rng)) for course, problem, waypoints in paths]
+def clearances_m(paths: Sequence[tuple[Course, Problem, Array]], count: int, rng: np.random.Generator) -> Array:
+    """(n,) true clearance from bodies and from itself of about ``count`` random postures along the paths (m, dof)."""
+    found: list[float] = []
+    share = count / max(1, len(paths))
+    for course, of_course in itertools.groupby(paths, key=lambda entry: entry[0]):
+        with Truth(course) as truth:
+            for _, problem, waypoints in of_course:
+                truth.move_target(problem.T_world_object)
+                for q in _between(waypoints, int(share + rng.random()), rng):
+                    found.append(min(truth.clearance_m(q, ROOM_M), truth.self_clearance_m(q)))
+    return np.array(found)
 
 
 def _between(waypoints: Array, count: int, rng: np.random.Generator) -> Array:

@@ -92,7 +92,10 @@ def descend(
     for i in range(n + 2):
         line[i] = path[0] + (i / (n + 1)) * (path[-1] - path[0])
     keep_within(path[1:-1], limits, metric)
-    checks = 0
+    cost = edges_free(scene, path)
+    checks = abs(cost)
+    if cost > 0:
+        return True, 0, checks
     for iteration in range(iterations + 1):
         _, least = obstacle_cost(scene, path, reach, gradient)
         checks += n
