@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import os
 from pathlib import Path
 
 from backend.bench.motion_bench import measure
@@ -12,9 +13,9 @@ from backend.cli.machine import machine
 
 def run(options: argparse.Namespace) -> int:
     """Print every figure; always 0, as a figure may be missed on a slow machine."""
-    where = machine()
+    where, load = machine(), os.getloadavg()[0]
     if not options.json:
-        print(where)
+        print(f"{where}; load {load:.1f} at the start: times are wall time, and worth little while others compute")
     found: list[dict[str, object]] = []
     part = ""
     size = QUICK if options.quick else FULL
@@ -27,5 +28,5 @@ def run(options: argparse.Namespace) -> int:
             print(part)
         print(figure.line(), flush=True)
     if options.json:
-        print(json.dumps({"machine": where, "quick": bool(options.quick), "motion": found}))
+        print(json.dumps({"machine": where, "load": load, "quick": bool(options.quick), "motion": found}))
     return 0
