@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -112,8 +112,3 @@ def _problems(cycles: list[CycleResult], home: Array) -> tuple[Problem, ...]:
         request = PlanRequest(q_start, goals, cycle.seed_path, rng_seed=cycle.number + 1)
         found.append(Problem(request, cycle.prediction.pose(1)))
     return tuple(found)
-
-
-def without_seed(problem: Problem) -> Problem:
-    """The same without the previous path."""
-    return replace(problem, request=replace(problem.request, seed_path=None))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from backend.bench.sizes import SCENARIOS, Size
 from backend.pose import Array
 from backend.robots import ROBOTS
 from backend.scenario import load_scenario, with_overrides
+from backend.sim.planning_scene import PlanningScene
 
 Tell = Callable[[str], None]
 Answers = dict[tuple[str, bool], list[seeding.Answer]]
@@ -83,36 +85,42 @@ def _courses(tried: tuple[str, bool], size: Size, seed: int, tell: Tell) -> list
     return out
 
 
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """What some planners made of the same problems, trial after trial."""
+
+    seeded: tuple[bool, ...]
+    """Which kinds of planner are asked."""
+    answers: Answers = field(default_factory=dict["tuple[str, bool]", "list[seeding.Answer]"])
+    feasible: list[bool] = field(default_factory=list[bool])
+    paths: list[tuple[Course, Problem, Array]] = field(default_factory=list["tuple[Course, Problem, Array]"])
+
+    def ask(self, course: Course, scene: PlanningScene, problems: list[Problem]) -> None:
+        """Add the answers to the problems of one trial."""
+        configs = [kind(seeded=seeded) for kind in seeding.KINDS for seeded in self.seeded]
+        answered = [seeding.answers(config, scene, problems) for config in configs]
+        for config, mine in zip(configs, answered, strict=True):
+            self.answers.setdefault((config.kind, config.seeded), []).extend(mine)
+        for i, problem in enumerate(problems):
+            found = [mine[i].path for mine in answered]
+            self.feasible.append(success.feasible(problem, scene, any(path is not None for path in found)))
+            self.paths.extend(
+                (course, problem, path.waypoints) for path in found if path is not None and len(path.waypoints) > 1
+            )
+
+
 def _planning(
     courses: list[Course], size: Size, rng: np.random.Generator, tell: Tell
 ) -> tuple[list[tuple[Course, Problem, Array]], list[Figure]]:
-    """What every planner makes of the problems of the trials; and the paths found."""
-    given: Answers = {}
-    ends: Answers = {}
-    feasible: list[bool] = []
-    feasible_ends: list[bool] = []
-    paths: list[tuple[Course, Problem, Array]] = []
-    each = -(-size.problems // size.trials)
+    """What every planner makes of the problems of the trials, and of random ones in their scenes; the paths found."""
+    hard, drawn = Asked((True, False)), Asked((True,))
+    each, ends = -(-size.problems // size.trials), -(-size.random_ends // size.trials)
     for number, course in enumerate(courses):
         tell(f"planning, trial {number + 1} of {len(courses)}")
         scene = scene_of(course)
-        hard = seeding.hard_problems(course, each)
-        drawn = success.random_problems(scene, course.T_world_object, -(-size.random_ends // size.trials), rng)
-        for problems, into, possible in ((hard, given, feasible), (drawn, ends, feasible_ends)):
-            answered: Answers = {}
-            for kind in seeding.KINDS:
-                for seeded in (True, False):
-                    config = kind(seeded=seeded)
-                    if problems is drawn and seeded is False:
-                        continue
-                    answered[config.kind, seeded] = seeding.answers(config, scene, problems)
-            for key, mine in answered.items():
-                into.setdefault(key, []).extend(mine)
-            for i, problem in enumerate(problems):
-                found = [mine[i].path for mine in answered.values()]
-                possible.append(success.feasible(problem, scene, any(path is not None for path in found)))
-                paths.extend((course, problem, path.waypoints) for path in found if path is not None)
-    figures = seeding.figures(given)
-    figures += success.figures("trials, no straight edge", given, feasible)
-    figures += success.figures("random ends", ends, feasible_ends)
-    return [entry for entry in paths if len(entry[2]) > 1], figures
+        hard.ask(course, scene, seeding.hard_problems(course, each))
+        drawn.ask(course, scene, success.random_problems(scene, course.T_world_object, ends, rng))
+    figures = seeding.figures(hard.answers)
+    figures += success.figures("trials, no straight edge", hard.answers, hard.feasible)
+    figures += success.figures("random ends", drawn.answers, drawn.feasible)
+    return hard.paths + drawn.paths, figures
