@@ -36,28 +36,29 @@ class FastPlanner:
         if isinstance(ends, Refusal):
             return ends
         arrays = scene.arrays
-        rest = ahead(ends, request.seed_path if self.config.seeded else None)
-        goals = np.array([goal for _, goal in ends.goals])
-        reached, follow, checks = first_reached(arrays, ends.start, rest, goals)
+        start = _rows(ends.start)
+        rest = _rows(ahead(ends, request.seed_path if self.config.seeded else None))
+        goals = _rows(np.array([goal for _, goal in ends.goals]))
+        reached, follow, checks = first_reached(arrays, start, rest, goals)
         if reached >= 0:
             how = "reconnected" if follow else "straight"
-            return _plan(ends, np.vstack([ends.start, rest[:follow], goals[reached]]), reached, how, checks)
+            return _plan(ends, np.vstack([start, rest[:follow], goals[reached]]), reached, how, checks)
         limits = scene.kinematics.limits
         rng = np.random.default_rng(request.rng_seed)
         spent_at = checks + self.config.max_checks
         if len(rest):
-            starts, roots, cost = _chains(arrays, ends.start, rest, goals)
+            starts, roots, cost = _chains(arrays, start, rest, goals)
             checks += cost
-            centres = np.vstack([along(np.vstack([ends.start, rest]))[0], goals])
+            centres = np.vstack([along(np.vstack([start, rest]))[0], goals])
             sampling = sampled_box(centres, limits), centres, NEAR_PATH
             budget = int(SEEDED_SHARE * self.config.max_checks)
             path, cost = _search(arrays, starts, roots, sampling, rng, budget)
             checks += cost
             if len(path):
                 return _plan(ends, path, _index(goals, path[-1]), "seeded", checks)
-        centres = np.vstack([ends.start, goals])
+        centres = np.vstack([start, goals])
         sampling = sampled_box(centres, limits), centres, NEAR_ENDS
-        path, cost = _search(arrays, _roots(ends.start[None]), _roots(goals), sampling, rng, spent_at - checks)
+        path, cost = _search(arrays, _roots(start[None]), _roots(goals), sampling, rng, spent_at - checks)
         checks += cost
         if len(path):
             return _plan(ends, path, _index(goals, path[-1]), "unseeded", checks)
@@ -98,6 +99,11 @@ def _chains(scene: SceneArrays, start: Array, rest: Array, goals: Array) -> tupl
 
 def _roots(qs: Array) -> Roots:
     return qs, np.full(len(qs), -1)
+
+
+def _rows(qs: Array) -> Array:
+    """As kernels want them."""
+    return np.ascontiguousarray(qs, dtype=np.float64)
 
 
 def _index(goals: Array, q: Array) -> int:
