@@ -118,13 +118,15 @@ def test_an_empty_seed_and_a_start_at_the_goal_are_nothing_special(scene: Planni
     assert isinstance(plan, Plan) and plan.how == "straight" and np.array_equal(plan.path.waypoints, q[None])
 
 
-def test_numbers_of_any_kind_and_layout_are_planned_for(scene: PlanningScene):
+def test_short_numbers_and_odd_layouts_are_planned_for(scene: PlanningScene):
     request, plan = hard(scene, 1)[0]
-    seed = Path(np.asfortranarray(np.round(plan.path.waypoints).astype(np.int64)))
+    seed = Path(np.asfortranarray(np.round(plan.path.waypoints)))
     single = replace(request, q_start=request.q_start.astype(np.float32), seed_path=seed)
     answer = PLANNER.plan(single, scene)
     assert isinstance(answer, Plan | Refusal)
-    doubled = replace(request, q_start=single.q_start.astype(np.float64), seed_path=Path(seed.waypoints.astype(float)))
+    doubled = replace(
+        request, q_start=single.q_start.astype(np.float64), seed_path=Path(seed.waypoints.copy(order="C"))
+    )
     same = PLANNER.plan(doubled, scene)
     assert type(same) is type(answer) and same.checks == answer.checks
 
