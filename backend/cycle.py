@@ -32,7 +32,7 @@ from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Path, Trajectory
 
 CANDIDATES_TRIED = 3
-"""How many of the picked grasps a cycle plans for before it gives up."""
+"""How often a cycle plans, each time for other grasps, before it gives up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,21 +144,30 @@ class Cycle:
         """Plan and retime for the nearest grasp that lets itself be reached."""
         arm = start.arm_at(result.effective_s)
         seed_path = remaining(start.previous, arm)
-        for candidate in picked[:CANDIDATES_TRIED]:
-            result = replace(result, picked=candidate, seed_path=seed_path, refused_by=None, why="")
+        left = list(picked)
+        for _ in range(CANDIDATES_TRIED):
+            if not left:
+                break
+            asked = left[: self._planner.grasps_at_once]
+            choices = [(candidate, goal.q_pregrasp) for candidate in asked for goal in candidate.goals]
+            result = replace(result, picked=asked[0], seed_path=seed_path, refused_by=None, why="")
             with watch("plan"):
-                goals = tuple(goal.q_pregrasp for goal in candidate.goals)
                 rng_seed = int(self._rng.integers(1, 2**31))
-                plan = self._planner.plan(PlanRequest(arm.q, goals, seed_path, rng_seed), self.scene)
+                request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
+                plan = self._planner.plan(request, self.scene)
             if isinstance(plan, Refusal):
                 result = replace(result, refused_by="plan", why=plan.why)
+                left = left[len(asked) :]
                 continue
+            candidate = choices[plan.goal_index][0]
+            result = replace(result, picked=candidate, plan=plan)
             with watch("retime"):
                 trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
             if isinstance(trajectory, Refusal):
-                result = replace(result, plan=plan, refused_by="retime", why=trajectory.why)
+                result = replace(result, refused_by="retime", why=trajectory.why)
+                left.remove(candidate)
                 continue
-            return replace(result, plan=plan, trajectory=trajectory)
+            return replace(result, trajectory=trajectory)
         return result
 
     def _underway(self, start: CycleStart, ready_s: float) -> Underway | None:
