@@ -50,6 +50,8 @@ class CycleStart:
     """The plan in force and its timing."""
     put_off: frozenset[int] = frozenset()
     """Grasps not to be taken now: they were refused a moment ago."""
+    trusted: int | None = None
+    """The grasp the arm is moving to, if it has passed its rehearsal a moment ago."""
 
 
 class Cycle:
@@ -115,11 +117,11 @@ class Cycle:
             return replace(result, refused_by="pick", why=next(iter(refused.values())))
         result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))
         with watch("pick"):
-            picked, result = self._rehearsed(result, picked, predictor)
+            picked, result = self._rehearsed(start, result, picked, predictor)
         return self._move(start, result, picked, watch)
 
     def _rehearsed(
-        self, result: CycleResult, picked: tuple[Candidate, ...], predictor: Predictor
+        self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], predictor: Predictor
     ) -> tuple[tuple[Candidate, ...], CycleResult]:
         """The picked grasps from the first on that can be gone in for at the predicted pose."""
         prediction, short = result.prediction, result.shortlist
@@ -135,7 +137,7 @@ class Cycle:
                 ride_s=CLOSE_AT_MOST_S,
             )
 
-        picked, refused = self.rehearsal.from_the_first_that_works(picked, request)
+        picked, refused = self.rehearsal.from_the_first_that_works(picked, start.trusted, request)
         return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
 
     def _move(

@@ -28,6 +28,8 @@ from backend.trajectory import Path, Trajectory
 
 TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
+TRUST_S = 0.5
+"""A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
 """A grasp that is refused, by pick, in rehearsal or when going in, is not taken again for so long."""
 
@@ -53,6 +55,7 @@ class Pilot:
         self._previous: tuple[Path, Trajectory] | None = None
         self._got_to = 0
         self._put_off_until_s: dict[int, float] = {}
+        self._trusted_until_s = 0.0
 
     def observe(self, observation: Observation) -> None:
         """Take in an observation; once the fingers close, the hand knows better than the eye."""
@@ -91,6 +94,7 @@ class Pilot:
             held=self._held,
             previous=self._previous,
             put_off=frozenset(i for i, until_s in self._put_off_until_s.items() if t_s < until_s),
+            trusted=self._held.index if self._held is not None and t_s < self._trusted_until_s else None,
         )
         result = self._cycle.run(start, self._predictor)
         self.result = result
@@ -99,6 +103,8 @@ class Pilot:
         if result.shortlist is not None:
             refused = set(result.shortlist.kept) & set(result.shortlist.rejected)
             self._put_off_until_s |= dict.fromkeys(refused, t_s + PUT_OFF_S)
+            if result.picked is not None and result.picked.index not in refused | {start.trusted}:
+                self._trusted_until_s = t_s + TRUST_S
         self._got_to = max(self._got_to, _progress(result))
         if result.plan is not None and result.trajectory is not None and result.refused_by is None:
             self._held = result.picked

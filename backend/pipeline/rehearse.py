@@ -11,10 +11,6 @@ from backend.sim.planning_scene import PlanningScene
 
 LIKELY_CLOSE_S = 0.5
 """About when after the arrival the fingers have closed and the lift begins."""
-REHEARSED = 10
-"""Picked grasps that a cycle rehearses at most."""
-BRANCHES = 4
-"""IK branches of each."""
 CHECK_EVERY = 4
 """Knots of the approach between two collision checks, 1/15 s."""
 
@@ -37,20 +33,22 @@ class Rehearsal:
     def from_the_first_that_works(
         self,
         picked: tuple[Candidate, ...],
+        trusted: int | None,
         request: Callable[[Candidate, JointGoal], ApproachRequest],
     ) -> tuple[tuple[Candidate, ...], dict[int, str]]:
-        """The picked grasps from the first on that passes, with the branches that do, and why those before it do not.
+        """The picked grasps from the first on that passes, on a branch that does, and why those before it do not.
 
-        When none does, all are given back: there is time until then.
+        ``trusted`` has passed a moment ago. When none passes, all are given back: there is time until then.
         """
         refused: dict[int, str] = {}
-        for i, candidate in enumerate(picked[:REHEARSED]):
-            answers = [(goal, self.approach(request(candidate, goal))) for goal in candidate.goals[:BRANCHES]]
-            passed = tuple(goal for goal, answer in answers if not isinstance(answer, Refusal))
-            if passed:
-                return (replace(candidate, goals=passed), *picked[i + 1 :]), refused
-            why = next(answer.why for _, answer in answers if isinstance(answer, Refusal))
-            refused[candidate.index] = f"in rehearsal: {why}"
+        for i, candidate in enumerate(picked):
+            if candidate.index == trusted:
+                return picked[i:], refused
+            for k, goal in enumerate(candidate.goals):
+                approach = self.approach(request(candidate, goal))
+                if not isinstance(approach, Refusal):
+                    return (replace(candidate, goals=candidate.goals[k:]), *picked[i + 1 :]), refused
+                refused.setdefault(candidate.index, f"in rehearsal: {approach.why}")
         return picked, refused
 
     def unsafe(self, approach: Approach) -> Refusal | None:

@@ -72,14 +72,21 @@ def test_what_fails_gives_way_to_what_passes(picked: tuple[Candidate, ...]):
         c for c in picked if isinstance(rehearsal(PlanningScene(KINEMATICS)).approach(request(c, c.goals[0])), Approach)
     )
     away = replace(works, index=-1, T_object_grasp=Pose.of((0.0, 0.0, 3.0)))
-    left, refused = rehearsal(PlanningScene(KINEMATICS)).from_the_first_that_works((away, works), request)
+    left, refused = rehearsal(PlanningScene(KINEMATICS)).from_the_first_that_works((away, works), None, request)
     assert [c.index for c in left] == [works.index]
     assert len(left[0].goals) >= 1
     assert set(refused) == {-1} and refused[-1].startswith("in rehearsal: ")
 
 
 def test_when_none_passes_all_are_left(picked: tuple[Candidate, ...]):
-    left, refused = rehearsal(PlanningScene(KINEMATICS), 1e-4).from_the_first_that_works(picked, request)
+    left, refused = rehearsal(PlanningScene(KINEMATICS), 1e-4).from_the_first_that_works(picked, None, request)
     assert left == picked
     assert set(refused) == {c.index for c in picked}
     assert all("too slow" in why for why in refused.values())
+
+
+def test_what_has_passed_a_moment_ago_is_trusted(picked: tuple[Candidate, ...]):
+    slow = rehearsal(PlanningScene(KINEMATICS), 1e-4)
+    left, refused = slow.from_the_first_that_works(picked, picked[1].index, request)
+    assert left == picked[1:]
+    assert set(refused) == {picked[0].index}
