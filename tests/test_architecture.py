@@ -16,7 +16,10 @@ HEAVY = {
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": set[str](),
     "duckdb": set[str](),
-    "plotly": set[str](),
+    "pebble": {"backend/experiments/executors/local.py"},
+    "plotly": {"backend/experiments/report/figures.py"},
+    "pyarrow": {"backend/experiments/grid/tables.py"},
+    "statsmodels": {"backend/experiments/report/statistics.py"},
     "matplotlib": {f"backend/build/{what}_figure.py" for what in ("grasp", "motion", "reach")},
 }
 

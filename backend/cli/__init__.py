@@ -51,6 +51,9 @@ def _parser() -> argparse.ArgumentParser:
     replay.add_argument("trace", metavar="FILE")
     _json(replay)
 
+    _grid(commands.add_parser("grid", help="the whole experiment: paired trials, kept row by row, resumable"))
+    _merge(commands.add_parser("merge", help="put the rows of a grid's shards together"))
+
     survey = commands.add_parser("survey", help="success of scenarios x objects x seeds, with reasons")
     survey.add_argument("--scenarios", nargs="+", metavar="NAME", help="default: all")
     survey.add_argument("--objects", nargs="+", metavar="NAME", help="default: the seven of the project")
@@ -75,6 +78,35 @@ def _parser() -> argparse.ArgumentParser:
     info = commands.add_parser("info", help="list robots, objects, tasks, methods, scenarios and versions")
     _json(info)
     return parser
+
+
+def _grid(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", nargs="?", metavar="FILE", help="a grid file (TOML) with the words of these flags")
+    parser.add_argument("--out", metavar="FOLDER", help="where the rows are kept; run again, it goes on there")
+    parser.add_argument("--robots", nargs="+", metavar="NAME", help="default: all")
+    parser.add_argument("--tasks", nargs="+", metavar="NAME", help="default: the seven of the paper")
+    parser.add_argument("--objects", nargs="+", metavar="NAME", help="default: the seven of the project")
+    parser.add_argument("--methods", nargs="+", metavar="NAME", help="default: the six of the paper's table")
+    parser.add_argument("--trials", type=int, metavar="N", help="of each robot, task, object and method (default 100)")
+    parser.add_argument("--first-seed", type=int, metavar="N", help="of trial 0 (default 0)")
+    parser.add_argument("--profile", choices=["paper", "datasheet"], help="joint speeds (default paper)")
+    parser.add_argument("--think", choices=["budget", "paper"], help="what a cycle is charged (default budget)")
+    parser.add_argument("--judge", choices=["strict", "authors"], help="whose success is shown (default strict)")
+    parser.add_argument("--set", action="append", metavar="PATH=VALUE", help="a condition of every trial")
+    parser.add_argument("--trials-file", metavar="CSV", help="how trials begin, as `trials export` writes it")
+    parser.add_argument("--workers", type=int, metavar="N", help="default: one per core")
+    parser.add_argument("--executor", choices=["local", "ray"], help="where trials run (default local)")
+    parser.add_argument("--limit-s", type=float, metavar="S", help="a trial that takes longer is stuck (default 300)")
+    parser.add_argument("--shard", metavar="I/N", help="run this part only; `merge` puts the parts together")
+    parser.add_argument("--dry-run", action="store_true", help="only say how many trials, and about how long")
+    _json(parser)
+
+
+def _merge(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", help="whose shards are put together, and where everything goes")
+    parser.add_argument("others", nargs="*", metavar="OTHER", help="more folders with rows of the same grid")
+    parser.add_argument("--salvage", action="store_true", help="take what can be read of corrupt files")
+    _json(parser)
 
 
 def _build(parser: argparse.ArgumentParser) -> None:
