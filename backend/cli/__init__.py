@@ -47,12 +47,19 @@ def _parser() -> argparse.ArgumentParser:
     trial.add_argument("--trace", metavar="FILE", help="write the whole trial to FILE, for `replay`")
     _json(trial)
 
-    replay = commands.add_parser("replay", help="run a traced trial again and compare it")
-    replay.add_argument("trace", metavar="FILE")
+    replay = commands.add_parser("replay", help="run a traced trial, or one of a grid, again and compare it")
+    replay.add_argument("what", metavar="FILE|FOLDER", help="a trace, or the folder of a grid")
+    replay.add_argument("key", nargs="?", metavar="KEY", help="which trial: ROBOT/TASK/OBJECT/METHOD/INDEX")
     _json(replay)
 
     _grid(commands.add_parser("grid", help="the whole experiment: paired trials, kept row by row, resumable"))
     _merge(commands.add_parser("merge", help="put the rows of a grid's shards together"))
+
+    export = commands.add_parser("export", help="the rows of a grid as Parquet and CSV")
+    export.add_argument("folder", metavar="FOLDER")
+    export.add_argument("--to", metavar="FOLDER", help="default: the grid's own")
+    _json(export)
+    _trials(commands.add_parser("trials", help="how trials begin, as a table that others can run"))
 
     survey = commands.add_parser("survey", help="success of scenarios x objects x seeds, with reasons")
     survey.add_argument("--scenarios", nargs="+", metavar="NAME", help="default: all")
@@ -107,6 +114,17 @@ def _merge(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("others", nargs="*", metavar="OTHER", help="more folders with rows of the same grid")
     parser.add_argument("--salvage", action="store_true", help="take what can be read of corrupt files")
     _json(parser)
+
+
+def _trials(parser: argparse.ArgumentParser) -> None:
+    kinds = parser.add_subparsers(dest="what", required=True, metavar="WHAT")
+    export = kinds.add_parser("export", help="write the starts of a scenario's trials as CSV")
+    export.add_argument("file", metavar="CSV")
+    export.add_argument("--task", nargs="+", required=True, metavar="NAME", help="scenarios, such as ur5_linear")
+    export.add_argument("--objects", nargs="+", metavar="NAME", help="default: each scenario's own")
+    export.add_argument("--n", type=int, default=100, metavar="N", help="of each object (default 100)")
+    export.add_argument("--first-seed", type=int, default=0, metavar="N", help="of the first trial (default 0)")
+    _json(export)
 
 
 def _build(parser: argparse.ArgumentParser) -> None:

@@ -83,14 +83,14 @@ def sha256_of(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def starts_of(text: str, where: str) -> dict[tuple[str, str, str], tuple[tuple[int, Conditions], ...]]:
+def starts_of(text: str, where: str) -> dict[tuple[str, str, str], tuple[tuple[int, Conditions | None], ...]]:
     """Robot, task, object -> seed and conditions of each trial, in the order of the rows.
 
     Raises ``InvalidInputError`` with file, line and column of everything that is wrong (of the first 20).
     """
     reader = csv.DictReader(io.StringIO(text))
     _check_header(reader.fieldnames or (), where)
-    groups: dict[tuple[str, str, str], list[tuple[int, Conditions]]] = {}
+    groups: dict[tuple[str, str, str], list[tuple[int, Conditions | None]]] = {}
     wrong: list[str] = []
     for cells in reader:
         at = f"{where}, line {reader.line_num}"
