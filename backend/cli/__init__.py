@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     _json(survey)
 
     _build(commands.add_parser("build", help="make what the robot knows beforehand"))
-    _report(commands.add_parser("report", help="measure what the robot knows beforehand"))
+    _report(commands.add_parser("report", help="of a grid; or measure what the robot knows beforehand"))
     _object(commands.add_parser("object", help="bring your own objects: add, remove, list"))
 
     bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio")
@@ -142,7 +142,11 @@ def _build(parser: argparse.ArgumentParser) -> None:
 
 
 def _report(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", choices=[*REPORTS, "knowledge"])
+    parser.add_argument(
+        "what", metavar="FOLDER|WHAT", help=f"a grid's folder, or one of {', '.join(REPORTS)}, knowledge"
+    )
+    parser.add_argument("--judge", choices=["strict", "authors"], help="default: the grid's own (grids only)")
+    parser.add_argument("--to", metavar="FOLDER", help="default: report/ in the grid's folder (grids only)")
     parser.add_argument(
         "--motions", type=int, default=3, metavar="N", help="of each family (default 3; prediction only)"
     )

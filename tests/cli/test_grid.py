@@ -160,3 +160,15 @@ def _rows(folder: Path) -> int:
         return 0
     with read_grid(folder) as store:
         return len(store.keys())
+
+
+def test_a_grid_is_reported(run: Path, tmp_path: Path, capsys: Capture):
+    assert main(["report", str(run), "--to", str(tmp_path), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [(cell["method"], cell["n"], cell["success"]["value"]) for cell in told["cells"]] == [
+        ("ik", 2, 0.0),
+        ("baseline", 2, 0.0),
+    ]
+    assert all(Path(file).is_file() for file in told["files"])
+    assert "There is no report of 'graps'" in refused(capsys, "report", "graps")
+    assert "python -m backend grid" in refused(capsys, "report", str(tmp_path))

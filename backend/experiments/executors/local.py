@@ -7,9 +7,9 @@ import multiprocessing
 import os
 import signal
 from collections.abc import Callable
-from concurrent.futures import CancelledError, wait
+from concurrent.futures import CancelledError, Future, wait
 
-from pebble import ProcessExpired, ProcessFuture, ProcessPool
+from pebble import ProcessExpired, ProcessPool
 
 from backend.errors import GraspingError
 from backend.experiments.executors.executor import Done, Failure
@@ -38,7 +38,7 @@ class LocalExecutor:
         self._workers = workers
         self._pool = self._new_pool()
         self._breaks = 0
-        self._under_way: dict[ProcessFuture[GridRow], Job] = {}
+        self._under_way: dict[Future[GridRow], Job] = {}
 
     def submit(self, job: Job) -> None:
         """Hand a job over; raises ``GraspingError`` when workers keep dying before they begin."""
@@ -76,7 +76,7 @@ class LocalExecutor:
         self.close()
         self._pool = self._new_pool()
 
-    def _outcome(self, future: ProcessFuture[GridRow]) -> GridRow | Failure:
+    def _outcome(self, future: Future[GridRow]) -> GridRow | Failure:
         try:
             return future.result()
         except TimeoutError:

@@ -45,7 +45,8 @@ class Key:
                 f"{text!r} is not the key of a trial; keys are ROBOT/TASK/OBJECT/METHOD/INDEX, "
                 "such as ur5_robotiq/linear/cube/ours_rm/17."
             )
-        return Key(*parts[:4], int(parts[4]))
+        robot, task, object, method, index = parts
+        return Key(robot, task, object, method, int(index))
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,15 +24,13 @@ ARROW: dict[Any, pa.DataType] = {
 SCHEMA = pa.schema([pa.field(name, ARROW[hint]) for name, hint in get_type_hints(GridRow).items()])
 
 
-def table_of(rows: Iterable[GridRow]) -> pa.Table:
-    """One line per trial, in the order of their keys."""
-    ordered = sorted(rows, key=lambda row: row.key)
-    return pa.Table.from_pylist([row.as_dict() for row in ordered], schema=SCHEMA)
-
-
 def write_tables(rows: Iterable[GridRow], folder: Path) -> list[Path]:
-    """``trials.parquet`` and ``trials.csv``, each whole or not at all; raises ``StorageError``."""
-    table = table_of(rows)
+    """``trials.parquet`` and ``trials.csv``, one line per trial, each file whole or not at all.
+
+    Raises ``StorageError``.
+    """
+    ordered = sorted(rows, key=lambda row: row.key)
+    table = pa.Table.from_pylist([row.as_dict() for row in ordered], schema=SCHEMA)
     files = [folder / "trials.parquet", folder / "trials.csv"]
     try:
         with replacing(files[0]) as file:
