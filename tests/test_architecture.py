@@ -14,7 +14,7 @@ HEAVY = {
     "torch": {"backend/build/motion_aware.py", "backend/build/predictor.py"},
     "ompl": {"backend/pipeline/plan/ompl_tree.py"},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
-    "ray": set[str](),
+    "ray": {"backend/experiments/executors/ray.py"},
     "duckdb": set[str](),
     "pebble": {"backend/experiments/executors/local.py"},
     "plotly": {"backend/experiments/report/figures.py"},

@@ -103,6 +103,7 @@ def _grid(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--trials-file", metavar="CSV", help="how trials begin, as `trials export` writes it")
     parser.add_argument("--workers", type=int, metavar="N", help="default: one per core")
     parser.add_argument("--executor", choices=["local", "ray"], help="where trials run (default local)")
+    parser.add_argument("--ray-address", metavar="HOST:PORT", help="a running cluster; default: one is started here")
     parser.add_argument("--limit-s", type=float, metavar="S", help="a trial that takes longer is stuck (default 300)")
     parser.add_argument("--shard", metavar="I/N", help="run this part only; `merge` puts the parts together")
     parser.add_argument("--dry-run", action="store_true", help="only say how many trials, and about how long")

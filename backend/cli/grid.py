@@ -60,9 +60,15 @@ def _run(asked: Asked, workers: int, store: Store, jobs: Iterator[Job], total: i
 
 
 def _executor(asked: Asked, workers: int, store: Store) -> Executor:
+    words, settings = asked.words, store.facts.settings
+    if words.executor == "ray":
+        from backend.experiments.executors.ray import RayExecutor
+
+        here = words.ray_address is None
+        return RayExecutor(run_job, settings, workers if here else words.workers, words.limit_s, words.ray_address)
     from backend.experiments.executors.local import LocalExecutor
 
-    return LocalExecutor(run_job, store.facts.settings, workers, asked.words.limit_s)
+    return LocalExecutor(run_job, settings, workers, words.limit_s)
 
 
 def _workers(asked: Asked) -> int:

@@ -26,6 +26,8 @@ class RunWords(Config):
     workers: Annotated[int, Field(ge=1)] | None = None
     """None: one per core."""
     executor: Literal["local", "ray"] = "local"
+    ray_address: str | None = None
+    """Of a Ray cluster; None: one is started here."""
     limit_s: Annotated[float, Field(gt=0.0)] = 300.0
     """Wall time after which a trial counts as stuck."""
     trials_file: str | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,6 +17,8 @@ class Failure:
     why: str
 
 
+Work = Callable[[Job, str], GridRow]
+"""What runs a job, given the settings' hash."""
 Done = tuple[Job, GridRow | Failure]
 
 

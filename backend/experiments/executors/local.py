@@ -6,17 +6,15 @@ import gc
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, wait
 
 from pebble import ProcessExpired, ProcessPool
 
 from backend.errors import GraspingError
-from backend.experiments.executors.executor import Done, Failure
+from backend.experiments.executors.executor import Done, Failure, Work
 from backend.experiments.grid.cells import Job
 from backend.experiments.grid.row import GridRow
 
-Work = Callable[[Job, str], GridRow]
 BREAKS_AT_MOST = 10
 JOBS_PER_WORKER = 2
 """One under way and one ready."""

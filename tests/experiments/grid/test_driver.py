@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backend.experiments.executors.executor import Done
-from backend.experiments.executors.local import LocalExecutor, Work
+from backend.experiments.executors.executor import Done, Work
+from backend.experiments.executors.local import LocalExecutor
 from backend.experiments.grid.cells import Job, Plan
 from backend.experiments.grid.driver import Stop, drive
 from backend.experiments.grid.folder import read_grid
