@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from backend.cli.machine import machine
 from backend.episode import Episode
 from backend.errors import InvalidInputError
+from backend.machine import machine
 from backend.pipeline.values import Room
 from backend.scenario import Scenario, load_scenario, with_overrides
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from backend.bench.motion_bench import measure
 from backend.bench.sizes import FULL, QUICK
 from backend.cli.choices import teller
-from backend.cli.machine import machine
+from backend.machine import machine
 
 
 def run(options: argparse.Namespace) -> int:
