@@ -64,9 +64,9 @@ def test_info_lists_everything(capsys: pytest.CaptureFixture[str]):
     assert "tomato_soup_can" in capsys.readouterr().out
 
 
-def test_warming_up_names_every_robot(capsys: pytest.CaptureFixture[str]):
+def test_warming_up_names_every_robot_and_the_planners(capsys: pytest.CaptureFixture[str]):
     assert main(["warm", "--json"]) == 0
-    assert list(json.loads(capsys.readouterr().out)["took_s"]) == list(ROBOTS)
+    assert list(json.loads(capsys.readouterr().out)["took_s"]) == [*ROBOTS, "planners"]
 
 
 def test_a_survey_counts_every_trial(capsys: pytest.CaptureFixture[str], tmp_path: Path):

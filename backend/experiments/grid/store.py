@@ -6,7 +6,7 @@ import fcntl
 import json
 import sqlite3
 from collections.abc import Generator, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any, Self, get_type_hints
@@ -15,6 +15,7 @@ from backend.errors import InvalidInputError, NotFoundError, StorageError
 from backend.experiments.grid.cells import Key
 from backend.experiments.grid.row import COLUMNS, GridRow
 from backend.experiments.grid.settings import differences, hash_of
+from backend.files import replacing
 
 FORMAT = 1
 KEY = ("robot", "task", "object", "method", "index")
@@ -115,8 +116,12 @@ def open_store(path: Path, facts: Facts) -> Store:
     lock = _locked(path)
     try:
         with _explained(path):
+            if not path.exists() or path.stat().st_size == 0:
+                _begin(path, facts)
             connection = sqlite3.connect(path, isolation_level=None, timeout=BUSY_S)
-        _set_up(path, connection, facts)
+            connection.execute("PRAGMA journal_mode = WAL")
+            connection.execute("PRAGMA synchronous = FULL")
+        _check_whole(path, connection)
         store = Store(path, connection, facts, lock)
         there = _facts(path, connection)
         if differing := differences(there.decided, facts.decided):
@@ -145,23 +150,16 @@ def read_store(path: Path, *, even_broken: bool = False) -> Store:
     return Store(path, connection, _facts(path, connection))
 
 
-def _set_up(path: Path, connection: sqlite3.Connection, facts: Facts) -> None:
-    """Make the tables in one transaction, unless they are there."""
+def _begin(path: Path, facts: Facts) -> None:
+    """A store without rows, there in one step: who reads finds all of it or nothing."""
     key = ", ".join(f'"{name}"' for name in KEY)
     told = {"format": FORMAT, "decided": facts.decided, "judge": facts.judge, "trial_set": facts.trial_set}
-    with _explained(path):
-        connection.execute("PRAGMA journal_mode = WAL")
-        connection.execute("PRAGMA synchronous = FULL")
-        connection.execute("BEGIN IMMEDIATE")
-        new = connection.execute("SELECT count(*) FROM sqlite_master").fetchone()[0] == 0
-        if new:
-            connection.execute("CREATE TABLE facts (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT")
-            connection.execute(f"CREATE TABLE trials ({SQL_COLUMNS}, UNIQUE ({key})) STRICT")
-            entries = [(name, json.dumps(value)) for name, value in told.items()]
-            connection.executemany("INSERT INTO facts VALUES (?, ?)", entries)
-        connection.execute("COMMIT")
-    if not new:
-        _check_whole(path, connection)
+    with closing(sqlite3.connect(":memory:", isolation_level=None)) as made:
+        made.execute("CREATE TABLE facts (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT")
+        made.execute(f"CREATE TABLE trials ({SQL_COLUMNS}, UNIQUE ({key})) STRICT")
+        made.executemany("INSERT INTO facts VALUES (?, ?)", [(name, json.dumps(value)) for name, value in told.items()])
+        with replacing(path) as file:
+            file.write(made.serialize())
 
 
 def _check_whole(path: Path, connection: sqlite3.Connection) -> None:
@@ -207,6 +205,8 @@ def _explained(path: Path) -> Generator[None]:
                 f"{path} cannot be written ({error}): is the disk full? What was written is kept."
             ) from error
         raise InvalidInputError(f"{path}: {error}.") from error
+    except OSError as error:
+        raise StorageError(f"{path} cannot be written: {error.strerror}.") from error
 
 
 def _corrupt(path: Path, why: str) -> InvalidInputError:
