@@ -12,8 +12,9 @@ from fastapi.staticfiles import StaticFiles
 from app.api import api_router
 from app.guard import Guard
 from app.proxy import viewer_router
-from app.session import Session, SimulationDownError
+from app.session import Session
 from app.settings import Settings, is_loopback
+from app.state import SimulationDownError
 from backend.errors import GraspingError, NotFoundError
 
 TITLE = "Dynamic grasping"

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.commands import Restart
+from app.engine import Keepsake
+from backend.events import TimedEvent
 from backend.pose import Array
 from backend.snapshot import SceneDescription, Snapshot
 
@@ -40,6 +42,23 @@ class Progress:
 
 
 @dataclass(frozen=True)
+class Edited:
+    """A live edit has been made."""
+
+    run: int
+    events: tuple[TimedEvent, ...]
+    """All of this trial, in their order."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A trial is over."""
+
+    run: int
+    keepsake: Keepsake
+
+
+@dataclass(frozen=True)
 class Pace:
     """How time passes."""
 
@@ -65,4 +84,4 @@ class Crashed:
     traceback: str
 
 
-Report = Started | Progress | Pace | Refused | Crashed
+Report = Started | Progress | Edited | Ended | Pace | Refused | Crashed

@@ -10,22 +10,22 @@ import time
 import viser
 
 from app.reports import Started
-from app.session import Session, SessionState
-from app.ui import palette
+from app.session import Session
+from app.state import SessionState
 from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
 from app.ui.layers import LAYERS, Layer, Picture
-from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, Panel, View
+from app.ui.panels import View
 from app.ui.panels.legend import add_legend
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
+from app.ui.rooms import furnish, light
 from backend.errors import GraspingError
 from backend.pipeline.values import CycleResult
 from backend.snapshot import Snapshot
 
 FRAME_S = 1 / 30
 PANELS_S = 1 / 5
-AMBIENT = 0.9
 
 
 class Dashboard:
@@ -45,7 +45,9 @@ class Dashboard:
         self._drawn_cycle: CycleResult | None = None
         self._panels_due_s = 0.0
         self._refusals = 0
-        self._furnish(low_fx)
+        light(self.server.scene, low_fx)
+        gui = self.server.gui
+        self._panels = furnish(gui, lambda kind: kind(gui, self._desk, self._auto_next), self._add_view_tab)
         self._draw_panels(session.state, 0.0)
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
@@ -61,39 +63,8 @@ class Dashboard:
         with contextlib.redirect_stdout(io.StringIO()):
             self.server.stop()
 
-    def _furnish(self, low_fx: bool) -> None:
-        scene, gui = self.server.scene, self.server.gui
-        scene.configure_default_lights(True, cast_shadow=not low_fx)
-        if low_fx:
-            scene.configure_environment_map(None)
-            scene.add_light_ambient("/light", intensity=AMBIENT)
-        scene.world_axes.visible = False
-        scene.add_grid(
-            "/floor",
-            6.0,
-            6.0,
-            cell_size=0.1,
-            cell_color=palette.FLOOR_CELL,
-            section_size=0.5,
-            section_color=palette.FLOOR_SECTION,
-            plane_color=palette.FLOOR,
-            plane_opacity=1.0,
-            fade_distance=5.0,
-            fade_strength=1.5,
-            fade_from="origin",
-            position=(0.0, 0.0, -0.001),
-        )
-        gui.configure_theme(brand_color=palette.BRAND, show_logo=False, show_share_button=False)
-        left = gui.add_panel()
-        left.dock_left()
-        left.set_width(270)
-        gui.main_panel.dock_right()
-        gui.main_panel.set_width(290)
-        self._panels: list[Panel] = []
-        for title, panels in STATUS_PANELS:
-            with left.add_tab(title):
-                self._panels += [panel(gui, self._desk, self._auto_next) for panel in panels]
-        self._panels += [panel(gui, self._desk, self._auto_next) for panel in CONTROL_PANELS]
+    def _add_view_tab(self) -> None:
+        gui = self.server.gui
         add_legend(gui, self._layers)
         reset = gui.add_command("Reset the view", hotkey="V")
         reset.on_trigger(lambda event: self._camera.reset(event.client) if event.client else None)
@@ -114,7 +85,7 @@ class Dashboard:
         if not self.server.get_clients():
             return
         with self.server.atomic():
-            self._draw_layers(state)
+            self._draw_layers(state.shown)
             if now_s >= self._panels_due_s:
                 self._panels_due_s = now_s + PANELS_S
                 self._draw_panels(state, now_s)
@@ -134,7 +105,7 @@ class Dashboard:
             return
         if snapshot is self._drawn:
             return
-        new_cycle = snapshot.cycle is not None and snapshot.cycle is not self._drawn_cycle
+        new_cycle = snapshot.cycle is not self._drawn_cycle
         picture = Picture(state.started.scene, snapshot, state.traces, new_cycle)
         for layer in self._layers:
             layer.draw(picture)
@@ -148,7 +119,9 @@ class Dashboard:
         if state.refusals[0] > self._refusals:
             self._refusals = state.refusals[0]
             self._desk.say("Not possible", state.refusals[1], "red")
-        view = View(state, self._tally, remaining_s, self._desk.status_line)
+        view = View(
+            state.shown, state, self._session.history.moments(), self._tally, remaining_s, self._desk.status_line
+        )
         for panel in self._panels:
             panel.show(view)
 

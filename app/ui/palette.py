@@ -1,11 +1,16 @@
 """Colours of the page, the same in the scene, in the panels and in the legend."""
 
+from backend.pipeline.values import Phase
+
 Rgb = tuple[int, int, int]
 
 BRAND: Rgb = (24, 100, 171)
 FLOOR: Rgb = (246, 247, 249)
 FLOOR_CELL: Rgb = (228, 231, 235)
 FLOOR_SECTION: Rgb = (206, 212, 218)
+DARK_FLOOR: Rgb = (34, 37, 42)
+DARK_FLOOR_CELL: Rgb = (46, 50, 56)
+DARK_FLOOR_SECTION: Rgb = (64, 69, 77)
 BELT: Rgb = (104, 114, 128)
 BELT_ARROW: Rgb = (255, 255, 255)
 TRAY: Rgb = (52, 60, 74)
@@ -21,6 +26,16 @@ RANKS: tuple[Rgb, ...] = ((43, 138, 62), (130, 201, 30), (252, 196, 25), (253, 1
 GOOD: Rgb = (43, 138, 62)
 BAD: Rgb = (201, 42, 42)
 QUIET: Rgb = (134, 142, 150)
+CYCLE: Rgb = (77, 171, 247)
+PHASES: dict[Phase, Rgb] = {
+    "watch": (134, 142, 150),
+    "move": (28, 126, 214),
+    "approach": (230, 119, 0),
+    "close": (214, 51, 108),
+    "lift": (55, 178, 77),
+    "hold": (43, 138, 62),
+    "done": (43, 138, 62),
+}
 
 
 def css(color: Rgb) -> str:

@@ -129,6 +129,12 @@ def note(text: str) -> str:
     return f'<div style="{style}">{escape(text)}</div>'
 
 
+def tip(text: str) -> str:
+    """HTML of a line that explains what stands below it."""
+    style = f"margin:6px 12px 2px;font-size:0.78em;color:{css(QUIET)}"
+    return f'<div style="{style}">{escape(text)}</div>'
+
+
 def crash_text(cause: str, traceback: str) -> str:
     """HTML of a cause and, where there is one, its traceback."""
     details = (

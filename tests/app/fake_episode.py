@@ -8,7 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from app.commands import Restart
-from app.engine import Running, TrialInfo
+from app.engine import Keepsake, Running, TrialInfo, info_of
+from app.wanted import scenario_of
 from backend.errors import InvalidInputError, lookup
 from backend.events import SetBeltRate, WorldEvent
 from backend.pipeline.values import (
@@ -30,15 +31,12 @@ TICK_S = 1 / 30
 HOME = np.array([0.0, -1.15, 0.9, -0.66, 0.0, 0.0])
 
 SCENARIOS = {
-    "ur5_linear": TrialInfo(
-        "ur5_linear", "UR5, linear", "ur5_robotiq", "sugar_box", "linear", "ik", "task.speed_mps", 0.05
-    ),
-    "ur5_linear_slab": TrialInfo(
-        "ur5_linear_slab", "UR5, slab", "ur5_robotiq", "cube", "linear_slab", "ik", "task.speed_mps", 0.05
-    ),
-    "mico_varying": TrialInfo("mico_varying", "Mico, varying", "mico", "cube", "linear_varying", "ik", None, None),
-    "boom": TrialInfo("boom", "Crashes", "mico", "cube", "linear", "ik", None, None),
+    "ur5_linear": ("ur5_linear", "sugar_box", "UR5, linear"),
+    "ur5_linear_slab": ("ur5_linear_slab", "cube", "UR5, slab"),
+    "mico_varying": ("mico_linear_varying", "cube", "Mico, varying"),
+    "boom": ("mico_linear_varying", "cube", "Crashes"),
 }
+"""Name -> the project's scenario it stands for, object, title."""
 
 
 class FakeEngine:
@@ -54,20 +52,12 @@ class FakeEngine:
         return ("ik", "baseline")
 
     def describe(self, restart: Restart) -> TrialInfo:
-        info = lookup("scenario", restart.scenario, SCENARIOS)
-        speed = restart.overrides.get("task.speed_mps", info.speed_mps)
-        if speed is not None and not -1.0 < float(speed) < 1.0:
-            raise InvalidInputError(f"task.speed_mps: must lie between -1 and 1 (got {speed})")
-        return TrialInfo(
-            info.scenario,
-            info.title,
-            info.robot,
-            str(restart.overrides.get("object", info.object)),
-            info.task,
-            str(restart.overrides.get("method", info.method)),
-            info.speed_path,
-            None if speed is None else float(speed),
-        )
+        if restart.file is not None:
+            return info_of(restart.scenario, scenario_of(restart))
+        stands_for, target, title = lookup("scenario", restart.scenario, SCENARIOS)
+        overrides = {"object": target, **restart.overrides}
+        values = scenario_of(restart.model_copy(update={"scenario": stands_for, "overrides": overrides}))
+        return info_of(restart.scenario, values.model_copy(update={"title": title}))
 
     def make_episode(self, restart: Restart) -> Running:
         return FakeEpisode(self.describe(restart), restart.seed)
@@ -107,6 +97,9 @@ class FakeEpisode:
     def close(self) -> None:
         self.closed = True
 
+    def keepsake(self) -> Keepsake:
+        return Keepsake({"seed": self._seed, "fingerprint": "0123456789abcdef"}, b"a trace")
+
     def run(self) -> Iterator[Snapshot]:
         """600 ticks; every sixth brings a new cycle."""
         cycle = None
@@ -115,6 +108,9 @@ class FakeEpisode:
                 raise ZeroDivisionError("the fake world has come apart")
             if self._info.scenario == "boom" and self._seed == 99:
                 os._exit(7)
+            for timed in self._info.values.events:
+                if timed.tick == tick - 1:
+                    self.apply(timed.event)
             self._s_m = float(np.clip(self._s_m + self._rate * self._speed_mps * TICK_S, 0.0, 1.0))
             if tick % 6 == 1:
                 cycle = self._cycle(tick)

@@ -15,7 +15,8 @@ import viser
 
 from app.commands import Restart
 from app.reports import Crashed, Pace, Started, Traces
-from app.session import Session, SessionState
+from app.session import Session
+from app.state import SessionState
 from app.ui import words
 from app.ui.camera import viewpoint
 from app.ui.dashboard import start_viser
@@ -324,5 +325,5 @@ def test_objects_that_come_and_go_are_on_offer_and_so_is_the_one_tried(server: v
     shown: Any = panel._object  # pyright: ignore[reportPrivateUsage]
     for names in (("cube", "tomato_soup_can", "mug"), ("tomato_soup_can",)):
         engine.names = names
-        panel.show(View(session.state, Tally(), None, ""))
+        panel.show(View(session.state, session.state, (), Tally(), None, ""))
         assert set(shown.options) == {*names, "cube"} and shown.value == "cube"

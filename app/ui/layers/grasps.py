@@ -50,7 +50,10 @@ class GraspsLayer:
 
     def draw(self, picture: Picture) -> None:
         cycle = picture.snapshot.cycle
-        if not picture.new_cycle or cycle is None or self._frame is None or self._picked is None:
+        if not picture.new_cycle or self._frame is None or self._picked is None:
+            return
+        if cycle is None:
+            self._frame.visible = False
             return
         self._frame.visible = cycle.shortlist is not None
         if cycle.shortlist is not None:
