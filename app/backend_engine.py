@@ -8,7 +8,7 @@ import numpy as np
 
 from app.commands import Restart
 from app.engine import Running, TrialInfo, info_of
-from app.wanted import scenario_of
+from app.wanted import read_scenario, scenario_of
 from backend.methods import METHODS
 from backend.objects import object_names
 from backend.pose import Array
@@ -32,6 +32,9 @@ class BackendEngine:
 
     def describe(self, restart: Restart) -> TrialInfo:
         return info_of(restart.scenario, scenario_of(restart))
+
+    def seed_in(self, name: str, text: str) -> int:
+        return read_scenario(text, name).seed
 
     def make_episode(self, restart: Restart) -> Running:
         from app.live_episode import LiveEpisode

@@ -87,6 +87,10 @@ class Engine(Protocol):
         """Raises ``GraspingError`` when it cannot be run, saying why."""
         ...
 
+    def seed_in(self, name: str, text: str) -> int:
+        """The seed of a scenario file with this text; raises ``InvalidInputError`` with every mistake in it."""
+        ...
+
     def make_episode(self, restart: Restart) -> Running: ...
 
     def tcp_trace(self, robot: str, waypoints: Array) -> Array:

@@ -5,6 +5,7 @@ from backend.pipeline.values import Phase
 Rgb = tuple[int, int, int]
 
 BRAND: Rgb = (24, 100, 171)
+LINK: Rgb = (34, 139, 230)
 FLOOR: Rgb = (246, 247, 249)
 FLOOR_CELL: Rgb = (228, 231, 235)
 FLOOR_SECTION: Rgb = (206, 212, 218)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from app.ui.palette import BAD, GOOD, QUIET, Rgb, css
+from app.ui.palette import BAD, BRAND, GOOD, LINK, QUIET, Rgb, css
 from backend.pipeline.values import FailureReason, Outcome, Phase
 
 PHASES: dict[Phase, str] = {
@@ -127,6 +127,16 @@ def note(text: str) -> str:
     """HTML of a quiet line."""
     style = f"margin:2px 12px 6px;font-size:0.8em;color:{css(QUIET)};min-height:2.4em"
     return f'<div style="{style}">{escape(text)}</div>'
+
+
+def link_button(text: str, address: str, copy: bool = False) -> str:
+    """HTML of a link that looks like a button; with ``copy`` a click copies the whole address instead."""
+    what = "data-copy" if copy else "download"
+    style = (
+        f"display:block;margin:6px 12px;padding:5px 10px;border-radius:4px;border:1px solid {css(BRAND)};"
+        f"color:{css(LINK)};text-align:center;text-decoration:none;font-size:0.85em"
+    )
+    return f'<a href="{escape(address)}" {what} style="{style}">{escape(text)}</a>'
 
 
 def tip(text: str) -> str:

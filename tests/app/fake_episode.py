@@ -9,7 +9,7 @@ import numpy as np
 
 from app.commands import Restart
 from app.engine import Keepsake, Running, TrialInfo, info_of
-from app.wanted import scenario_of
+from app.wanted import read_scenario, scenario_of
 from backend.errors import InvalidInputError, lookup
 from backend.events import SetBeltRate, WorldEvent
 from backend.pipeline.values import (
@@ -58,6 +58,9 @@ class FakeEngine:
         overrides = {"object": target, **restart.overrides}
         values = scenario_of(restart.model_copy(update={"scenario": stands_for, "overrides": overrides}))
         return info_of(restart.scenario, values.model_copy(update={"title": title}))
+
+    def seed_in(self, name: str, text: str) -> int:
+        return read_scenario(text, name).seed
 
     def make_episode(self, restart: Restart) -> Running:
         return FakeEpisode(self.describe(restart), restart.seed)

@@ -7,6 +7,7 @@ from app.ui.panels.panel import Panel, View
 from app.ui.panels.playback import PlaybackPanel
 from app.ui.panels.ranking import RankingPanel
 from app.ui.panels.scenario import ScenarioPanel
+from app.ui.panels.share import SharePanel
 from app.ui.panels.signals import SignalsPanel
 from app.ui.panels.task import TaskPanel
 from app.ui.panels.timeline import TimelinePanel
@@ -19,6 +20,7 @@ CONTROL_PANELS: Panels = (CrashPanel, PlaybackPanel)
 CONTROL_TABS: tuple[tuple[str, Panels], ...] = (
     ("Scenario", (ScenarioPanel, BeltPanel, TaskPanel)),
     ("Method", (MethodPanel,)),
+    ("Share", (SharePanel,)),
 )
 """Below them, tab by tab: what can be set."""
 STATUS_TABS: tuple[tuple[str, Panels], ...] = (
