@@ -59,6 +59,7 @@ class Worker:
         self._given: tuple[TimedEvent, ...] = ()
         self._from_tick = 0
         self._reported_cycle = 0
+        self._reported_tick = -1
         self._next_report_s = 0.0
         self._next_pace_s = 0.0
 
@@ -95,6 +96,8 @@ class Worker:
             case SetPaused(paused=paused):
                 self._paused = paused
                 self._pacer.reset()
+                if paused and self._last is not None and self._last.tick != self._reported_tick:
+                    self._report_snapshot(self._last)
             case StepOnce():
                 self._paused = True
                 if self._last is not None and self._last.outcome is None:
@@ -157,6 +160,7 @@ class Worker:
             self._report(Ended(self._run, self._episode.keepsake()))
 
     def _report_snapshot(self, snapshot: Snapshot) -> None:
+        self._reported_tick = snapshot.tick
         cycle, traces = snapshot.cycle, None
         if cycle is None or cycle.number == self._reported_cycle:
             snapshot = replace(snapshot, cycle=None)

@@ -53,3 +53,18 @@ document.addEventListener("pointermove", (event) => {
   }
 });
 document.addEventListener("pointerup", () => { dragged = null; });
+
+// The arrows step through time: T and B do so for viser, which would turn the camera with arrows.
+const TICKS = { ArrowRight: ["t", "KeyT"], ArrowLeft: ["b", "KeyB"] };
+const OWN_ARROWS = "input, textarea, select, [contenteditable], [role=slider], [role=tab], [role=dialog]";
+for (const kind of ["keydown", "keyup"]) {
+  window.addEventListener(kind, (event) => {
+    const tick = TICKS[event.key];
+    if (!tick || event.ctrlKey || event.altKey || event.metaKey || event.shiftKey) return;
+    if (event.target.closest?.(OWN_ARROWS)) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    const [key, code] = tick;
+    event.target.dispatchEvent(new KeyboardEvent(kind, { key, code, bubbles: true, cancelable: true }));
+  }, true);
+}

@@ -14,12 +14,16 @@ from app.session import Session
 from app.state import SessionState
 from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
+from app.ui.help import Guide
 from app.ui.layers import LAYERS, Layer, Picture
+from app.ui.memory import Memory
 from app.ui.panels import View
-from app.ui.panels.legend import add_legend
+from app.ui.panels.legend import add_legend, add_view_switches
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
 from app.ui.rooms import furnish, light
+from app.ui.theme import Theme
+from app.ui.touch import Touch
 from backend.errors import GraspingError
 from backend.pipeline.values import CycleResult
 from backend.snapshot import Snapshot
@@ -31,24 +35,28 @@ PANELS_S = 1 / 5
 class Dashboard:
     """Owns the viser server and the thread that draws."""
 
-    def __init__(self, session: Session, auto_next: bool, low_fx: bool) -> None:
+    def __init__(self, session: Session, auto_next: bool, low_fx: bool, tour: bool) -> None:
         self._session = session
         self.server = start_viser()
         self._camera = CameraKeeper(self.server)
+        memory = Memory()
+        self._theme, self._guide = Theme(memory), Guide(memory, tour)
         self._desk = Desk(self.server, session)
         self._auto_next = AutoNext(auto_next)
         self._tally = Tally()
-        self._layers: list[Layer] = [layer(self.server.scene) for layer in LAYERS]
+        self._layers: list[Layer] = [layer(self.server.scene, Touch(self._desk)) for layer in LAYERS]
         self._stopping = threading.Event()
         self._begun: Started | None = None
         self._drawn: Snapshot | None = None
         self._drawn_cycle: CycleResult | None = None
+        self._drawn_looks = self._desk.looks
         self._panels_due_s = 0.0
         self._refusals = 0
         light(self.server.scene, low_fx)
         gui = self.server.gui
         self._panels = furnish(gui, lambda kind: kind(gui, self._desk, self._auto_next), self._add_view_tab)
         self._draw_panels(session.state, 0.0)
+        self.server.on_client_connect(self._welcome)
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
     def start(self) -> None:
@@ -65,9 +73,13 @@ class Dashboard:
 
     def _add_view_tab(self) -> None:
         gui = self.server.gui
+        add_view_switches(gui, self._camera, self._theme, self._guide)
         add_legend(gui, self._layers)
-        reset = gui.add_command("Reset the view", hotkey="V")
-        reset.on_trigger(lambda event: self._camera.reset(event.client) if event.client else None)
+
+    def _welcome(self, client: viser.ClientHandle) -> None:
+        """In a thread of viser's: the browser is asked what it remembers."""
+        self._theme.welcome(client)
+        self._guide.welcome(client)
 
     def _run(self) -> None:
         seen: Snapshot | None = None
@@ -103,13 +115,14 @@ class Dashboard:
         snapshot = state.snapshot
         if state.started is None or snapshot is None:
             return
-        if snapshot is self._drawn:
+        looks = self._desk.looks
+        if snapshot is self._drawn and looks == self._drawn_looks:
             return
-        new_cycle = snapshot.cycle is not self._drawn_cycle
-        picture = Picture(state.started.scene, snapshot, state.traces, new_cycle)
+        new_cycle = snapshot.cycle is not self._drawn_cycle or looks != self._drawn_looks
+        picture = Picture(state.started.scene, snapshot, state.traces, new_cycle, looks)
         for layer in self._layers:
             layer.draw(picture)
-        self._drawn, self._drawn_cycle = snapshot, snapshot.cycle
+        self._drawn, self._drawn_cycle, self._drawn_looks = snapshot, snapshot.cycle, looks
 
     def _draw_panels(self, state: SessionState, now_s: float) -> None:
         self._tally = self._tally.after(state)

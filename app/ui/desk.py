@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from app.commands import Command, OverrideValue, Restart
 from app.session import Session
+from app.ui.looks import Looks
 from backend.config import Config, explain
 from backend.errors import GraspingError, InvalidInputError
 
@@ -39,6 +40,8 @@ class Desk:
         self.session = session
         self.status_line = ""
         """The last answer, for the status line."""
+        self.looks = Looks()
+        """Set by wishes only, and so by the dashboard's thread only."""
         self._server = server
         self._lock = threading.Lock()
         self._wishes: dict[str, Wish] = {}

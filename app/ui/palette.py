@@ -46,8 +46,12 @@ def css(color: Rgb) -> str:
 
 def rank_color(rank: int, count: int) -> Rgb:
     """Between the first and last of ``RANKS`` for rank 0 .. count - 1."""
-    place = rank / max(count - 1, 1) * (len(RANKS) - 1)
-    i = min(int(place), len(RANKS) - 2)
-    share = place - i
-    red, green, blue = (round(a + (b - a) * share) for a, b in zip(RANKS[i], RANKS[i + 1], strict=True))
+    return blend(RANKS, rank / max(count - 1, 1))
+
+
+def blend(colors: tuple[Rgb, ...], share: float) -> Rgb:
+    """The colour at ``share`` in 0..1 of the way through ``colors``."""
+    place = share * (len(colors) - 1)
+    i = min(int(place), len(colors) - 2)
+    red, green, blue = (round(a + (b - a) * (place - i)) for a, b in zip(colors[i], colors[i + 1], strict=True))
     return red, green, blue

@@ -11,8 +11,8 @@ from app.ui.palette import Rgb
 from app.ui.panels import CONTROL_PANELS, CONTROL_TABS, STATUS_TABS, TIMELINE_PANELS, Panel
 
 AMBIENT = 0.9
-LEFT_PX, RIGHT_PX = 270, 300
-TIMELINE_PX = 660
+LEFT_PX, RIGHT_PX = 270, 315
+TIMELINE_PX = 645
 MARGIN_PX = 10
 FLOORS: dict[bool, tuple[Rgb, Rgb, Rgb]] = {
     False: (palette.FLOOR, palette.FLOOR_CELL, palette.FLOOR_SECTION),
@@ -55,7 +55,9 @@ def lay_floor(scene: viser.SceneApi, dark: bool) -> None:
 
 def set_theme(gui: viser.GuiApi, dark: bool) -> None:
     """Of every browser, or of one."""
-    gui.configure_theme(brand_color=palette.BRAND, show_logo=False, show_share_button=False, dark_mode=dark)
+    gui.configure_theme(
+        brand_color=palette.LINK if dark else palette.BRAND, show_logo=False, show_share_button=False, dark_mode=dark
+    )
 
 
 def furnish(gui: viser.GuiApi, make: Maker, add_view_tab: Callable[[], None]) -> list[Panel]:

@@ -64,15 +64,15 @@ def facts(rows: list[tuple[str, str]]) -> str:
     return f'<table style="width:calc(100% - 24px);margin:2px 12px;font-size:0.85em">{cells}</table>'
 
 
-def bars(rows: list[tuple[str, float, str]], color: Rgb) -> str:
+def bars(rows: list[tuple[str, float, str]], color: Rgb, name_px: int = 56, figure_px: int = 58) -> str:
     """HTML of horizontal bars: name, share in 0..1, figure."""
     lines = "".join(
         f'<div style="display:flex;align-items:center;gap:6px;font-size:0.8em">'
-        f'<span style="width:56px;color:{css(QUIET)}">{escape(name)}</span>'
+        f'<span style="width:{name_px}px;color:{css(QUIET)}">{escape(name)}</span>'
         f'<span style="flex:1;background:rgba(134,142,150,0.18);border-radius:2px;height:8px">'
         f'<span style="display:block;width:{100 * share:.0f}%;background:{css(color)};'
         f'height:8px;border-radius:2px"></span></span>'
-        f'<span style="width:58px;text-align:right;font-variant-numeric:tabular-nums">{escape(figure)}</span>'
+        f'<span style="width:{figure_px}px;text-align:right;font-variant-numeric:tabular-nums">{escape(figure)}</span>'
         "</div>"
         for name, share, figure in rows
     )
@@ -125,7 +125,7 @@ def heading(text: str) -> str:
 
 def note(text: str) -> str:
     """HTML of a quiet line."""
-    style = f"margin:2px 12px 6px;font-size:0.8em;color:{css(QUIET)};min-height:2.4em"
+    style = f"margin:2px 12px 6px;font-size:0.8em;color:{css(QUIET)};overflow-wrap:anywhere"
     return f'<div style="{style}">{escape(text)}</div>'
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -90,12 +91,16 @@ class FakeEpisode:
         slab = BoxPlacement(Pose.of((0.45, 0.0, 0.45)), (0.1, 0.6, 0.02)) if info.task == "linear_slab" else None
         obstacles = ("tomato_soup_can", "cube", "sugar_box") if slab is None else ()
         self.scene = SceneDescription(info.robot, info.object, (0.12, 0.12, 0.02), path, obstacles, slab, seed)
+        self._obstacles = [Pose.of((0.65, -0.3 + 0.3 * i, 0.0)) for i in range(len(obstacles))]
         self.closed = False
 
     def apply(self, event: WorldEvent) -> None:
-        if not isinstance(event, SetBeltRate):
+        if isinstance(event, SetBeltRate):
+            self._rate = event.rate
+        elif event.index >= len(self._obstacles):
             raise InvalidInputError("move_obstacle.index: there is no obstacle to move")
-        self._rate = event.rate
+        else:
+            self._obstacles[event.index] = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
 
     def close(self) -> None:
         self.closed = True
@@ -138,8 +143,7 @@ class FakeEpisode:
         q = self._q(t_s)
         names = joint_names(self._info.robot)
         T_tray = Pose.of(self._start + np.array([0.0, self._s_m, 0.0]))
-        n = len(self.scene.obstacles)
-        obstacles = [Pose.of((0.65, -0.3 + 0.3 * i, 0.0)).matrix for i in range(n)]
+        obstacles = [pose.matrix for pose in self._obstacles]
         return Snapshot(
             tick=tick,
             t_s=t_s,
@@ -170,7 +174,8 @@ class FakeEpisode:
         kept = tuple(int(i) for i in np.roll(np.arange(30), tick)[:10])
         score = np.linspace(1.0, 0.0, 30)
         others = {i: "others hold better in this motion" for i in range(30) if i not in kept}
-        shortlist = Shortlist(candidates, kept, score, others, reachability_m=0.2 * score, motion_quality=score)
+        shortlist = Shortlist(candidates, kept, score, others, reachability_m=0.2 * score - 0.05, motion_quality=score)
+        shortlist = replace(shortlist, joint_distance_rad={i: 0.8 + 0.1 * rank for rank, i in enumerate(kept[:8])})
         q_start, q_goal = self._q(t_s), self._q(t_s + 2.0) + 0.2
         goal = JointGoal(q_goal, q_goal + 0.05)
         i = kept[0]

@@ -22,7 +22,7 @@ def main() -> None:
     """One picture per arm, each at a moment when the hand is on its way to the object."""
     with open_browser() as browser:
         for name, scenario in PICTURES:
-            flags = ("--scenario", scenario, "--paused", "--no-auto-next")
+            flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
             with serve(*flags, module=("run_server.py",)) as served:
                 _take(browser, served, name)
 

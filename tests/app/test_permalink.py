@@ -117,7 +117,7 @@ def test_uploads_are_bounded_before_viser_sees_them() -> None:
 
 @pytest.fixture(scope="module")
 def served() -> Iterator[Served]:
-    with serve("--paused", "--no-auto-next") as server:
+    with serve("--paused", "--no-auto-next", "--no-tour") as server:
         yield server
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import viser
 
 from app.reports import Traces
+from app.ui.looks import Looks
 from app.ui.palette import Rgb
+from app.ui.touch import Touch
 from backend.pose import Array, Pose
 from backend.snapshot import SceneDescription, Snapshot
 
@@ -21,7 +23,8 @@ class Picture:
     snapshot: Snapshot
     traces: Traces | None
     new_cycle: bool
-    """The cycle or its traces have not been drawn before."""
+    """The cycle or its traces have not been drawn before, or are to look otherwise."""
+    looks: Looks = field(default_factory=Looks)
 
 
 class Layer(Protocol):
@@ -32,7 +35,7 @@ class Layer(Protocol):
     swatches: tuple[tuple[Rgb, str], ...]
     """Its rows of the legend."""
 
-    def __init__(self, scene: viser.SceneApi) -> None: ...
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None: ...
 
     def begin(self, scene: SceneDescription) -> None:
         """A new trial."""

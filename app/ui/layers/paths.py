@@ -13,6 +13,7 @@ from app.ui.geometry import segments
 from app.ui.layers.bodies import add_object
 from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
+from app.ui.touch import Touch
 from backend.objects import load_object
 from backend.pose import Array
 from backend.snapshot import SceneDescription
@@ -48,7 +49,7 @@ class PredictionLayer:
     title = "Prediction"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.PREDICTION, "Predicted object"),)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/prediction")
         self._ghost: viser.MeshHandle | None = None
@@ -84,7 +85,7 @@ class PlansLayer:
         (palette.SEED_PLAN, "Its seed"),
     )
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/plans")
         self._plan: Polyline | None = None
@@ -116,7 +117,7 @@ class TrailLayer:
     title = "Hand trail"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.TRAIL, "Hand trail"),)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/trail")
         self._line: Polyline | None = None

@@ -10,6 +10,7 @@ from app.commands import SPEEDS, LookBack, SetPaused, SetSpeed, StepOnce
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
+from app.ui.words import note
 from backend.errors import lookup
 
 FASTEST = "max"
@@ -48,6 +49,7 @@ class PlaybackPanel:
             self._auto = gui.add_checkbox(
                 "Auto next", auto_next.enabled, hint="Go on with the next seed 4 s after an outcome"
             )
+            self._status = gui.add_html("")
         self._time.on_click(self._on_button)
         self._trial.on_click(self._on_button)
         self._speed.on_update(self._on_speed)
@@ -56,6 +58,7 @@ class PlaybackPanel:
 
     def show(self, view: View) -> None:
         self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
+        self._status.content = note(view.status_line) if view.status_line else ""
         label = speed_label(view.state.pace.speed)
         if label in LABELS:
             self._desk.mirror("speed", self._speed, label)
@@ -112,11 +115,13 @@ class PlaybackPanel:
         self._auto_next.enabled = bool(event.target.value)
 
     def _add_keys(self, gui: viser.GuiApi) -> None:
+        """The arrows are T and B as well, by the page's own script: viser turns the camera with them."""
+
         def register(command: viser.CommandHandle, key: str, act: Callable[[], Answer]) -> None:
             command.on_trigger(lambda event: self._desk.wish(key, act, event.client))
 
         register(gui.add_command("Play or pause", hotkey="space"), "key space", self.toggle)
-        register(gui.add_command("One tick", hotkey="arrowright"), "key right", self.step)
-        register(gui.add_command("One tick back", hotkey="arrowleft"), "key left", self.step_back)
+        register(gui.add_command("One tick", hotkey="T"), "key T", self.step)
+        register(gui.add_command("One tick back", hotkey="B"), "key B", self.step_back)
         register(gui.add_command("Restart the trial", hotkey="R"), "key R", self.reset)
         register(gui.add_command("Next seed", hotkey="N"), "key N", self.next_seed)

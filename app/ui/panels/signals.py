@@ -18,6 +18,7 @@ SAMPLE_S = 0.2
 LONGEST = 600
 """Samples that are kept: two minutes."""
 CM_PER_M = 100.0
+PLAIN = uplot.Series_Points(show=False)
 
 
 class SignalsPanel:
@@ -31,8 +32,8 @@ class SignalsPanel:
             data=(np.zeros(1), np.zeros(1), np.zeros(1)),
             series=(
                 uplot.Series(label="s"),
-                uplot.Series(label="distance", stroke=css(PLAN), width=1.5),
-                uplot.Series(label="height", stroke=css(TRAIL), width=1.5),
+                uplot.Series(label="distance", stroke=css(PLAN), width=1.5, points=PLAIN),
+                uplot.Series(label="height", stroke=css(TRAIL), width=1.5, points=PLAIN),
             ),
             scales={"x": uplot.Scale(time=False), "y": uplot.Scale(auto=True)},
             axes=(uplot.Axis(size=22, font="10px sans-serif"), uplot.Axis(size=30, font="10px sans-serif")),
