@@ -107,12 +107,12 @@ def test_a_picked_scenario_restarts_and_says_so(served: Served, page: Page) -> N
     wait_for(served, lambda s: s["robot"] == "mico" and not s["loading"])
     expect(page.get_by_text("Restarted with scenario mico_varying.").first).to_be_visible()
     wait_for_node(page, "/robot/m1n6s200_link_6")
-    expect(page.get_by_text("Speed factor")).to_be_visible()
+    expect(page.get_by_text("Belt factor")).to_be_visible()
 
 
 def test_a_belt_speed_acts_on_the_running_trial_and_says_so(served: Served, page: Page) -> None:
     run = served.state()["run"]
-    slider_box(page, "Speed, cm/s").fill("-2.5")
+    slider_box(page, "Belt, cm/s").fill("-2.5")
     page.keyboard.press("Enter")
     expect(page.get_by_text("Belt set to -2.5 cm/s in the running trial.").first).to_be_visible()
     button(page, "Step").click()

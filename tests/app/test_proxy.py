@@ -92,7 +92,7 @@ def test_more_browsers_than_allowed_are_turned_away(served: Served) -> None:
         ("GuiNumberMessage", "Seed", -5, "seed: input should be greater than or equal to 0 (got -5)"),
         (
             "GuiSliderMessage",
-            "Speed, cm/s",
+            "Belt, cm/s",
             9900.0,
             "task.linear.speed_mps: input should be less than or equal to 0.5 (got 99",
         ),
@@ -127,7 +127,7 @@ def test_a_refused_value_is_taken_back_from_the_widget(viewer: ViewerClient) -> 
 
 def test_a_belt_speed_within_reach_acts_on_the_running_trial(served: Served, viewer: ViewerClient) -> None:
     run = served.state()["run"]
-    viewer.set(viewer.widget("GuiSliderMessage", "Speed, cm/s"), -10.0)
+    viewer.set(viewer.widget("GuiSliderMessage", "Belt, cm/s"), -10.0)
     assert viewer.notice() == ("Done", "Belt set to -10.0 cm/s in the running trial.")
     served.command(kind="step_once")
     assert wait_for(served, belt_rate=-2.0)["run"] == run
@@ -136,7 +136,7 @@ def test_a_belt_speed_within_reach_acts_on_the_running_trial(served: Served, vie
 def test_a_belt_speed_beyond_reach_restarts_and_says_so(served: Served, viewer: ViewerClient) -> None:
     run = served.state()["run"]
     assert isinstance(run, int)
-    viewer.set(viewer.widget("GuiSliderMessage", "Speed, cm/s"), 40.0)
+    viewer.set(viewer.widget("GuiSliderMessage", "Belt, cm/s"), 40.0)
     assert viewer.notice() == ("Done", "Restarted with belt speed 40.0 cm/s.")
     state = wait_for(served, run=run + 1, loading=False)
     assert state["overrides"] == {"task.speed_mps": 0.4}

@@ -25,10 +25,10 @@ class BeltPanel:
         self._desk = desk
         with gui.add_folder("Belt (acts at once)"):
             self._speed = gui.add_slider(
-                "Speed, cm/s", -20.0, 20.0, 0.1, 0.0, hint="Up to 4 times the scenario's; beyond, the trial restarts"
+                "Belt, cm/s", -20.0, 20.0, 0.1, 0.0, hint="Up to 4 times the scenario's; beyond, the trial restarts"
             )
             self._factor = gui.add_slider(
-                "Speed factor", -LIVE_RATE, LIVE_RATE, 0.1, 1.0, visible=False, hint="1 is as the scenario has it"
+                "Belt factor", -LIVE_RATE, LIVE_RATE, 0.1, 1.0, visible=False, hint="1 is as the scenario has it"
             )
             self._direction = gui.add_button_group("Direction", ("Forth", "Stop", "Back"))
         self._speed.on_update(choosing(desk, "belt", lambda cmps: self.set_belt(cmps / CM_PER_M), SETTLE_S))
