@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 from collections.abc import Callable
+from threading import Lock
 
 from fastapi import APIRouter
 from fastapi.requests import Request
@@ -13,6 +14,7 @@ from fastapi.responses import HTMLResponse, RedirectResponse, Response
 from app.engine import Keepsake
 from app.permalink import PATH, trial_at
 from app.session import Session
+from app.ui.replay import replay_html
 from backend.errors import GraspingError, NotFoundError
 from backend.scenario import to_toml
 
@@ -40,6 +42,7 @@ def open_router(session: Session) -> APIRouter:
 def share_router(session: Session) -> APIRouter:
     """Files of the running trial under /session."""
     router = APIRouter(tags=["session"])
+    one_at_a_time = Lock()
 
     @router.get("/session/scenario.toml", response_class=Response)
     def scenario_file() -> Response:
@@ -58,6 +61,15 @@ def share_router(session: Session) -> APIRouter:
     def outcome() -> Response:
         """The trial's row; 404 before its end."""
         return _of_keepsake(session, _row, "application/json", "json")
+
+    @router.get("/session/replay.html", response_class=Response)
+    def replay() -> Response:
+        """The last minute of the trial, to be played by any browser without this server."""
+        started, moments = session.state.started, session.history.moments()
+        if started is None or not moments:
+            raise NotFoundError("There is nothing to replay yet.")
+        with one_at_a_time:
+            return _file(replay_html(started.scene, moments).encode(), "text/html", f"{_name(session)}.html")
 
     return router
 

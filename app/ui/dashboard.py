@@ -22,8 +22,9 @@ from app.ui.panels.legend import add_legend, add_view_switches
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
 from app.ui.rooms import furnish, light
+from app.ui.start import start_viser
 from app.ui.theme import Theme
-from app.ui.touch import Touch
+from app.ui.touch import DeskTouch
 from backend.errors import GraspingError
 from backend.pipeline.values import CycleResult
 from backend.snapshot import Snapshot
@@ -44,7 +45,7 @@ class Dashboard:
         self._desk = Desk(self.server, session)
         self._auto_next = AutoNext(auto_next)
         self._tally = Tally()
-        self._layers: list[Layer] = [layer(self.server.scene, Touch(self._desk)) for layer in LAYERS]
+        self._layers: list[Layer] = [layer(self.server.scene, DeskTouch(self._desk)) for layer in LAYERS]
         self._stopping = threading.Event()
         self._begun: Started | None = None
         self._drawn: Snapshot | None = None
@@ -144,16 +145,3 @@ class Dashboard:
         except GraspingError as error:
             self._auto_next.enabled = False
             self._desk.say("Not possible", str(error), "red")
-
-
-def start_viser() -> viser.ViserServer:
-    """viser on a free port of this machine, unable to open a tunnel to the outside, and silent."""
-    with contextlib.redirect_stdout(io.StringIO()):
-        server = viser.ViserServer(host="127.0.0.1", port=0, label="Dynamic grasping", verbose=False)
-    server.request_share_url = _refuse_to_share
-    return server
-
-
-def _refuse_to_share(verbose: bool = True) -> str | None:
-    """Stands in for viser's own, which lets any client open a public tunnel."""
-    return None

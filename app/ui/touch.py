@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Protocol
 
 import viser
 
@@ -11,18 +12,38 @@ from app.ui.desk import Answer, Desk, checked
 from backend.events import MoveObstacle
 
 
-class Touch:
-    """Given to every layer; like a panel's callbacks it only leaves wishes."""
+class Touch(Protocol):
+    """Given to every layer."""
+
+    def grasp(self, index: int, client: viser.ClientHandle) -> None:
+        """Show the card of a grasp."""
+        ...
+
+    def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
+        """Put an obstacle elsewhere in the running trial."""
+        ...
+
+
+class Untouched:
+    """Where nobody can click."""
+
+    def grasp(self, index: int, client: viser.ClientHandle) -> None:
+        pass
+
+    def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
+        pass
+
+
+class DeskTouch:
+    """Like a panel's callbacks it only leaves wishes."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
 
     def grasp(self, index: int, client: viser.ClientHandle) -> None:
-        """Show the card of a grasp."""
         self._desk.wish("grasp", lambda: self._show_card(index), client)
 
     def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
-        """Put an obstacle elsewhere in the running trial."""
         self._desk.wish("obstacle", lambda: self._move(index, x_m, y_m, yaw_rad), client)
 
     def _show_card(self, index: int) -> Answer:

@@ -14,13 +14,13 @@ from app.commands import Restart
 from app.engine import TrialInfo
 from app.session import Session
 from app.ui import fields
-from app.ui.dashboard import start_viser
 from app.ui.desk import Desk, merged
 from app.ui.fields import Field, fields_in
 from app.ui.panels.method import MethodPanel
 from app.ui.panels.panel import View
 from app.ui.panels.settings import from_screen, on_screen
 from app.ui.progress import AutoNext, Tally
+from app.ui.start import start_viser
 from app.ui.units import SUFFIXES, split_unit
 from backend.config import Config
 from backend.errors import InvalidInputError

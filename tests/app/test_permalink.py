@@ -182,3 +182,13 @@ def test_a_file_that_is_too_long_is_refused_by_the_command_itself(served: Served
     assert answer.status_code == 422 and "at most 65536 characters" in answer.json()["error"]
     answer = served.command(kind="restart", scenario="mine", file='title = "x"\nrobot = "ur6"')
     assert answer.status_code == 422 and "mine: robot: There is no robot named 'ur6'" in answer.json()["error"]
+
+
+def test_the_replay_plays_without_the_server(served: Served) -> None:
+    served.command(kind="restart", scenario="ur5_linear", seed=0, overrides={})
+    wait_for(served, seed=0, tick=0, loading=False)
+    served.command(kind="step_once")
+    wait_for(served, tick=1)
+    answer = get(served, "/api/v1/session/replay.html")
+    assert answer.status_code == 200 and "ur5_linear_seed0.html" in answer.headers["content-disposition"]
+    assert "__VISER_EMBED_DATA__" in answer.text and "<html" in answer.text

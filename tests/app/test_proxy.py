@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from app.inbound import ALLOWED, is_allowed
-from app.ui.dashboard import start_viser
+from app.ui.start import start_viser
 from tests.app.served import Served, serve
 from tests.app.viewer_client import ViewerClient, view
 

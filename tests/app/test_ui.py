@@ -19,7 +19,6 @@ from app.session import Session
 from app.state import SessionState
 from app.ui import words
 from app.ui.camera import viewpoint
-from app.ui.dashboard import start_viser
 from app.ui.desk import Desk
 from app.ui.geometry import chevrons, ribbon, segments, thinned
 from app.ui.layers import LAYERS, Layer, Picture
@@ -29,7 +28,8 @@ from app.ui.panels.ranking import ranking_html
 from app.ui.panels.scenario import ScenarioPanel
 from app.ui.progress import WAIT_S, AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
-from app.ui.touch import Touch
+from app.ui.start import start_viser
+from app.ui.touch import Untouched
 from backend.pipeline.values import Outcome
 from backend.robots import ROBOTS
 from backend.snapshot import SceneDescription, Snapshot
@@ -52,13 +52,9 @@ def recorded(name: str) -> tuple[SceneDescription, list[Snapshot]]:
     return episode.scene, list(episode.run())
 
 
-def touch(server: viser.ViserServer) -> Touch:
-    return Touch(Desk(server, Session(ENGINE, Restart(scenario="ur5_linear", overrides={}))))
-
-
 def draw_all(server: viser.ViserServer, name: str, ticks: slice) -> tuple[list[Layer], Snapshot]:
     scene, snapshots = recorded(name)
-    layers: list[Layer] = [layer(server.scene, touch(server)) for layer in LAYERS]
+    layers: list[Layer] = [layer(server.scene, Untouched()) for layer in LAYERS]
     for layer in layers:
         layer.begin(scene)
     for snapshot in snapshots[ticks]:

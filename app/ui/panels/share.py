@@ -29,7 +29,8 @@ class SharePanel:
                 "Open a file", icon=viser.Icon.UPLOAD, hint="A scenario (.toml), as downloaded here", mime_type=".toml"
             )
             gui.add_html(link_button("Download scenario", f"{FILES}/scenario.toml"))
-        with gui.add_folder("Outcome"):
+        with gui.add_folder("Trial files"):
+            gui.add_html(link_button("Download replay (HTML)", f"{FILES}/replay.html"))
             self._outcome = gui.add_html("")
         self._upload.on_upload(self._on_upload)
 
