@@ -7,6 +7,7 @@ import threading
 import numpy as np
 import viser
 
+from app.session import Session
 from backend.pose import Array
 from backend.snapshot import SceneDescription
 
@@ -21,7 +22,7 @@ SAME_PLACE_M = 0.02
 
 
 CLOSE_M = 0.75
-"""From the object's place in the middle of the belt, for a close look."""
+"""From the object, for a close look."""
 Viewpoint = tuple[Array, Array]
 """Camera position and the point it looks at, (3,) each, in the world."""
 
@@ -57,8 +58,9 @@ def _direction(turn_rad: float, elevation_rad: float) -> Array:
 class CameraKeeper:
     """Gives every trial a good view, but never takes the camera out of somebody's hand."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    def __init__(self, server: viser.ViserServer, session: Session) -> None:
         self._server = server
+        self._session = session
         self._lock = threading.Lock()
         self._presets: dict[str, Viewpoint] = {}
 
@@ -82,6 +84,10 @@ class CameraKeeper:
             if name not in self._presets:
                 return
             position, look_at = self._presets[name]
+        snapshot = self._session.state.shown.snapshot
+        if name == "Close" and snapshot is not None:
+            offset = snapshot.T_world_object.xyz_m - look_at
+            position, look_at = position + offset, look_at + offset
         with client.atomic():
             client.camera.position = position
             client.camera.look_at = look_at

@@ -6,6 +6,7 @@ import contextlib
 import io
 import threading
 import time
+from dataclasses import replace
 
 import viser
 
@@ -39,7 +40,7 @@ class Dashboard:
     def __init__(self, session: Session, auto_next: bool, low_fx: bool, tour: bool) -> None:
         self._session = session
         self.server = start_viser()
-        self._camera = CameraKeeper(self.server)
+        self._camera = CameraKeeper(self.server, session)
         memory = Memory()
         self._theme, self._guide = Theme(memory), Guide(memory, tour)
         self._desk = Desk(self.server, session)
@@ -119,11 +120,12 @@ class Dashboard:
         looks = self._desk.looks
         if snapshot is self._drawn and looks == self._drawn_looks:
             return
-        new_cycle = snapshot.cycle is not self._drawn_cycle or looks != self._drawn_looks
-        picture = Picture(state.started.scene, snapshot, state.traces, new_cycle, looks)
+        picture = Picture(state.started.scene, snapshot, state.traces, True, looks)
+        if picture.cycle is self._drawn_cycle and looks == self._drawn_looks:
+            picture = replace(picture, new_cycle=False)
         for layer in self._layers:
             layer.draw(picture)
-        self._drawn, self._drawn_cycle, self._drawn_looks = snapshot, snapshot.cycle, looks
+        self._drawn, self._drawn_cycle, self._drawn_looks = snapshot, picture.cycle, looks
 
     def _draw_panels(self, state: SessionState, now_s: float) -> None:
         self._tally = self._tally.after(state)

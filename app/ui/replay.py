@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 
 from app.history import Moment
 from app.ui.camera import FIELD_OF_VIEW_RAD, viewpoint
@@ -15,6 +16,8 @@ from app.ui.touch import Untouched
 from backend.snapshot import SceneDescription
 
 FRAME_S = 1 / 15
+LONGEST_GAP_S = 1.0
+"""Nothing is waited for longer than this: a minute that begins late in a trial begins at once."""
 
 
 def replay_html(scene: SceneDescription, moments: Sequence[Moment]) -> str:
@@ -29,16 +32,18 @@ def replay_html(scene: SceneDescription, moments: Sequence[Moment]) -> str:
         for layer in layers:
             layer.begin(scene)
         recording = server.get_scene_serializer()
-        before: Moment | None = None
+        shown_s, cycle = -FRAME_S, None
         for moment in moments:
-            elapsed_s = moment.snapshot.t_s - before.snapshot.t_s if before else FRAME_S
+            elapsed_s = moment.snapshot.t_s - shown_s
             if elapsed_s < 0.99 * FRAME_S:
                 continue
-            new_cycle = before is None or moment.snapshot.cycle is not before.snapshot.cycle
+            picture = Picture(scene, moment.snapshot, moment.traces, new_cycle=True)
+            if picture.cycle is cycle:
+                picture = replace(picture, new_cycle=False)
             for layer in layers:
-                layer.draw(Picture(scene, moment.snapshot, moment.traces, new_cycle))
-            recording.insert_sleep(elapsed_s)
-            before = moment
+                layer.draw(picture)
+            recording.insert_sleep(min(elapsed_s, LONGEST_GAP_S))
+            shown_s, cycle = moment.snapshot.t_s, picture.cycle
         return recording.as_html()
     finally:
         with contextlib.redirect_stdout(io.StringIO()):

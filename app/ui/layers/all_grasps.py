@@ -19,7 +19,7 @@ from backend.pose import wxyz_from_rotation
 from backend.robots import ROBOTS
 from backend.snapshot import SceneDescription
 
-SCALE = 0.4
+SCALE = 0.3
 BACK_M = 0.07
 """Small hands stand this far back from where they would grasp, so that they are seen around the object."""
 
@@ -48,7 +48,7 @@ class AllGraspsLayer:
     def draw(self, picture: Picture) -> None:
         if not picture.new_cycle or self._frame is None:
             return
-        cycle = picture.snapshot.cycle
+        cycle = picture.cycle
         short = cycle.shortlist if cycle else None
         self._frame.visible = short is not None
         if cycle is None or short is None:
@@ -87,7 +87,7 @@ class AllGraspsLayer:
             batched_scales=np.zeros(n, dtype=np.float32),
             batched_colors=np.zeros((n, 3), dtype=np.uint8),
             lod="off",
-            opacity=0.6,
+            opacity=0.5,
         )
 
         async def on_click(event: viser.SceneNodePointerEvent[viser.BatchedMeshHandle]) -> None:

@@ -51,7 +51,7 @@ class GraspsLayer:
         )
 
     def draw(self, picture: Picture) -> None:
-        cycle = picture.snapshot.cycle
+        cycle = picture.cycle
         if not picture.new_cycle or self._frame is None or self._picked is None:
             return
         if cycle is None:

@@ -11,8 +11,11 @@ from app.reports import Traces
 from app.ui.looks import Looks
 from app.ui.palette import Rgb
 from app.ui.touch import Touch
+from backend.pipeline.values import CycleResult, Phase
 from backend.pose import Array, Pose
 from backend.snapshot import SceneDescription, Snapshot
+
+ON_THE_WAY: tuple[Phase, ...] = ("watch", "move", "approach")
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +28,11 @@ class Picture:
     new_cycle: bool
     """The cycle or its traces have not been drawn before, or are to look otherwise."""
     looks: Looks = field(default_factory=Looks)
+
+    @property
+    def cycle(self) -> CycleResult | None:
+        """The newest cycle, as long as the arm is on its way by it: what was thought before the grasp is over then."""
+        return self.snapshot.cycle if self.snapshot.phase in ON_THE_WAY else None
 
 
 class Layer(Protocol):

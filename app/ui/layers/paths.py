@@ -63,7 +63,7 @@ class PredictionLayer:
         self._way = Polyline(self._scene, "/prediction/way", palette.PREDICTION, 4.0)
 
     def draw(self, picture: Picture) -> None:
-        cycle = picture.snapshot.cycle
+        cycle = picture.cycle
         if not picture.new_cycle or self._ghost is None or self._way is None:
             return
         prediction, shortlist = (cycle.prediction, cycle.shortlist) if cycle else (None, None)
@@ -100,7 +100,7 @@ class PlansLayer:
         if not picture.new_cycle or self._plan is None or self._seed is None:
             return
         traces = picture.traces
-        if traces is None:
+        if traces is None or picture.cycle is None:
             self._plan.draw(None)
             self._seed.draw(None)
         elif traces.plan_m is not None:
