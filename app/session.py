@@ -106,17 +106,8 @@ class Session:
         self._change(looked_at=moment)
 
     def _go_on(self) -> None:
-        """Repeat the trial up to the moment looked at, and play on; the same seed takes it there again exactly."""
-        state = self._state
-        if state.looked_at is None:
-            raise InvalidInputError("Choose an earlier moment first; what is shown is the newest.")
-        if state.info.values.timing.think == "measured":
-            raise InvalidInputError(
-                "With measured thinking time no trial comes out twice the same: set think to budget or paper."
-            )
-        tick = state.looked_at.snapshot.tick
-        events = tuple(timed for timed in state.events if timed.tick < tick)
-        self._continued = state.restart.model_copy(update={"events": events, "from_tick": tick})
+        """Repeat the trial up to the moment looked at, and play on."""
+        self._continued = self._state.gone_on_with()
         self.send(self._continued)
         self._pass_on(SetPaused(paused=False))
 
@@ -169,7 +160,7 @@ class Session:
     def _take_in(self, report: Report) -> None:
         match report:
             case Started():
-                self._open_history(report.restart)
+                self._begin_history(report.restart)
                 self._change(
                     status="running",
                     started=report,
@@ -177,7 +168,7 @@ class Session:
                     traces=None,
                     events=report.restart.events,
                     keepsake=None,
-                    loading=self._is_stale(report),
+                    loading=report.restart != self._state.restart,  # something else was asked for since
                 )
             case Progress():
                 self._take_in_progress(report)
@@ -192,10 +183,6 @@ class Session:
             case Crashed():
                 pass
 
-    def _is_stale(self, started: Started) -> bool:
-        """Whether something else has been asked for since."""
-        return started.restart != self._state.restart
-
     def _take_in_progress(self, report: Progress) -> None:
         snapshot, old = report.snapshot, self._state.snapshot
         if snapshot.cycle is None and old is not None and old.cycle is not None:
@@ -205,9 +192,9 @@ class Session:
         looked_at = None if old is None else self._state.looked_at
         self._change(snapshot=snapshot, traces=traces, looked_at=looked_at)
 
-    def _open_history(self, restart: Restart) -> None:
+    def _begin_history(self, restart: Restart) -> None:
         """What was before the moment that is gone on from stays, since it comes out the same again."""
-        if self._continued is not None and restart == self._continued:
+        if restart == self._continued:
             self.history.cut(restart.from_tick - 1)
         else:
             self.history.clear()

@@ -10,7 +10,7 @@ from app.commands import Restart
 from app.engine import Keepsake, TrialInfo
 from app.history import Moment
 from app.reports import Crashed, Pace, Started, Traces
-from backend.errors import GraspingError
+from backend.errors import GraspingError, InvalidInputError
 from backend.events import TimedEvent
 from backend.snapshot import Snapshot
 
@@ -58,6 +58,21 @@ class SessionState:
     def repeated(self) -> Restart:
         """The command that leads to the running episode again, live edits included."""
         return self.restart.model_copy(update={"events": self.events, "from_tick": 0})
+
+    def gone_on_with(self) -> Restart:
+        """The command that leads to the moment looked at again, which a seed makes exact.
+
+        Raises ``InvalidInputError`` when there is no such moment, or no way to be there again.
+        """
+        if self.looked_at is None:
+            raise InvalidInputError("Choose an earlier moment first; what is shown is the newest.")
+        if self.info.values.timing.think == "measured":
+            raise InvalidInputError(
+                "With measured thinking time no trial comes out twice the same: set think to budget or paper."
+            )
+        tick = self.looked_at.snapshot.tick
+        before = tuple(timed for timed in self.events if timed.tick < tick)
+        return self.restart.model_copy(update={"events": before, "from_tick": tick})
 
 
 def cause_of_end(exit_code: int | None) -> str:

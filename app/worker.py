@@ -13,7 +13,7 @@ from multiprocessing.connection import Connection
 from app.commands import ApplyEvent, Command, GoOn, LookBack, Restart, SetPaused, SetSpeed, StepOnce
 from app.engine import Engine, Running
 from app.pacer import Pacer
-from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started, Traces
+from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started, Traces, slim
 from backend.errors import GraspingError
 from backend.events import TimedEvent, WorldEvent
 from backend.pipeline.values import CycleResult
@@ -186,10 +186,3 @@ class Worker:
 
     def _report(self, report: Report) -> None:
         self._link.send(report)
-
-
-def slim(cycle: CycleResult) -> CycleResult:
-    """Without the IK branches of the whole database, which are heavy and which nobody outside looks at."""
-    if cycle.shortlist is None:
-        return cycle
-    return replace(cycle, shortlist=replace(cycle.shortlist, branches={}))

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import contextlib
 import io
+import warnings
 
 import viser
 
 
 def start_viser() -> viser.ViserServer:
-    """viser on a free port of this machine, unable to open a tunnel to the outside, and silent."""
+    """viser on a free port of this machine, unable to open a tunnel to the outside, and silent.
+
+    A browser that leaves in the midst of an answer is nothing to warn of.
+    """
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host="127.0.0.1", port=0, label="Dynamic grasping", verbose=False)
     server.request_share_url = _refuse_to_share

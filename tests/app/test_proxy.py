@@ -260,3 +260,21 @@ def test_the_api_refuses_numbers_that_are_none(served: Served) -> None:
         headers={"Content-Type": "application/json"},
     )
     assert answer.status_code == 422 and "finite" in answer.json()["error"]
+
+
+@pytest.mark.parametrize("value", [None, -1, 2**63, "<b>", "", [], ["a"], {"x": 1}, True, b"raw"])
+def test_no_value_of_any_widget_breaks_the_page(served: Served, viewer: ViewerClient, value: object) -> None:
+    for kind, label in (("Number", "Hold, s"), ("Number", "Latency, s"), ("Slider", "Time, s")):
+        viewer.widget(f"Gui{kind}Message", label)
+    kinds = ("Number", "Slider", "Dropdown", "Checkbox", "Text", "ButtonGroup", "UploadButton")
+    names = {f"Gui{kind}Message" for kind in kinds}
+    widgets = [str(m["uuid"]) for m in viewer.messages if m["type"] in names]
+    assert len(widgets) > 30
+    for uuid in widgets:
+        viewer.set(uuid, value)
+    time.sleep(1.5)
+    served.command(kind="set_paused", paused=True)
+    served.command(kind="restart", scenario="ur5_linear_slab", seed=4)
+    assert wait_for(served, scenario="ur5_linear_slab", seed=4, loading=False)["simulation"] == "running"
+    with view(served.authority) as other:
+        other.widget("GuiSliderMessage", "Time, s")

@@ -8,6 +8,7 @@ import viser
 
 from app.commands import LARGEST_FILE_CHARS
 from app.permalink import address_of
+from app.state import SessionState
 from app.ui.desk import Answer, Desk
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
@@ -32,14 +33,14 @@ class SharePanel:
         with gui.add_folder("Trial files"):
             gui.add_html(link_button("Download replay (HTML)", f"{FILES}/replay.html"))
             self._outcome = gui.add_html("")
+        self._linked: tuple[object, object] = (None, None)
         self._upload.on_upload(self._on_upload)
 
     def show(self, view: View) -> None:
         state = view.live
-        address = address_of(state.repeated)
-        edits = f" and {len(state.events)} live edits" if state.events else ""
-        what = f"Opens {state.info.scenario}, seed {state.restart.seed}, with {len(state.restart.overrides)} settings"
-        self._link.content = link_button("Copy link", address, copy=True) + tip(f"{what}{edits}.")
+        if (state.restart, state.events) != self._linked:
+            self._linked = state.restart, state.events
+            self._link.content = link_button("Copy link", address_of(state.repeated), copy=True) + tip(what(state))
         if state.keepsake is None:
             self._outcome.content = tip("When the trial has ended, its trace and its outcome can be downloaded here.")
         else:
@@ -62,3 +63,12 @@ class SharePanel:
     async def _on_upload(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
         file = event.target.value
         self._desk.wish("upload", lambda: self.open_file(file.name, file.content), event.client)
+
+
+def what(state: SessionState) -> str:
+    """What the link leads to, in words."""
+    settings, edits = len(state.restart.overrides), len(state.events)
+    parts = [f"Opens {state.info.scenario}, seed {state.restart.seed}"]
+    parts += [f"{settings} setting{'s' * (settings > 1)} changed"] if settings else []
+    parts += [f"{edits} live edit{'s' * (edits > 1)}"] if edits else []
+    return ", ".join(parts) + "."
