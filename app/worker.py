@@ -153,7 +153,8 @@ class Worker:
             self._pacer.reset()
             return
         self._pacer.ticked(now, self._last.t_s, self._last.t_s - (previous.t_s if previous else 0.0))
-        if report or self._paused or self._last.outcome is not None or now >= self._next_report_s:
+        report = report or self._paused or self._last.tick == self._from_tick
+        if report or self._last.outcome is not None or now >= self._next_report_s:
             self._report_snapshot(self._last)
             self._next_report_s = max(self._next_report_s, now - LARGEST_BURST_S) + REPORT_INTERVAL_S
         if self._last.outcome is not None and self._episode is not None:

@@ -35,6 +35,7 @@ def _take(browser: Browser, served: Served, name: str, left: str) -> None:
         tab(page, left)
         if left == "Grasps":
             choose(page, "Colour by", SCORE)
+        page.mouse.move(640, 60)  # no tooltip in the picture
         _play_to_a_good_moment(served, page)
         time.sleep(3.0)
         path = ROOT / "docs" / f"{name}.png"
