@@ -1,4 +1,4 @@
-"""The headless command line: trial, survey, replay, build, report, object, bench, warm, info."""
+"""The headless command line: trial, grid, merge, export, trials, survey, replay, build, report, object, ..."""
 
 import gc
 import sys

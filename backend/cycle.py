@@ -16,21 +16,23 @@ from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
 from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
-from backend.pipeline.execute import ArmState
+from backend.pipeline.execute import CLOSE_AT_MOST_S, ApproachRequest, ArmState
 from backend.pipeline.filter import RankContext, shortlist
+from backend.pipeline.horizon import Underway, horizon_s
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
+from backend.pipeline.rehearse import Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
-from backend.pipeline.values import Candidate, CycleResult, PlanRequest, Prediction, Refusal, Room
+from backend.pipeline.values import Candidate, CycleResult, JointGoal, PlanRequest, Prediction, Refusal, Room
 from backend.pose import Array
 from backend.robots.description import RobotDescription
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Path, Trajectory
 
 CANDIDATES_TRIED = 3
-"""How many of the picked grasps a cycle plans for before it gives up."""
+"""How often a cycle plans, each time for other grasps, before it gives up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +49,9 @@ class CycleStart:
     previous: tuple[Path, Trajectory] | None
     """The plan in force and its timing."""
     put_off: frozenset[int] = frozenset()
-    """Grasps not to be taken now: their approach was refused a moment ago."""
+    """Grasps not to be taken now: they were refused a moment ago."""
+    trusted: int | None = None
+    """The grasp the arm is moving to, if it has passed its rehearsal a moment ago."""
 
 
 class Cycle:
@@ -75,6 +79,7 @@ class Cycle:
         self._reachability = _field_for(method.filter, robot)
         self._in_motion = _grasps_in_motion_for(method.filter, grasps)
         self._planner: Planner = make_planner(method.planner)
+        self.rehearsal = Rehearsal(kinematics, scene, limits.velocity_rps, method.execution.lift_m)
 
     def run(self, start: CycleStart, predictor: Predictor) -> CycleResult:
         """Think once. The result holds every room's output up to the first "no"."""
@@ -89,8 +94,7 @@ class Cycle:
         ready_s = start.now_s + self._think.expected_s()
         result = CycleResult(start.number, start.observed_s, start.now_s + self._think.refused_s(0))
         with watch("predict"):
-            horizon_s = self.horizon_s(start, ready_s)
-            arrive_s = ready_s + horizon_s
+            arrive_s = ready_s + horizon_s(self.method.horizon, self._underway(start, ready_s))
             prediction = predictor.predict(np.array([ready_s, arrive_s, arrive_s + self.method.execution.approach_s]))
         if prediction is None:
             return replace(result, refused_by="predict", why="the object has not been seen yet")
@@ -114,7 +118,29 @@ class Cycle:
         if not picked:
             return replace(result, refused_by="pick", why=next(iter(refused.values())))
         result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))
+        with watch("pick"):
+            picked, result = self._rehearsed(start, result, picked, predictor)
         return self._move(start, result, picked, watch)
+
+    def _rehearsed(
+        self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], predictor: Predictor
+    ) -> tuple[tuple[Candidate, ...], CycleResult]:
+        """The picked grasps from the first on that can be gone in for at the predicted pose."""
+        prediction, short = result.prediction, result.shortlist
+        assert prediction is not None and short is not None
+
+        def request(candidate: Candidate, goal: JointGoal) -> ApproachRequest:
+            return ApproachRequest(
+                arm=ArmState(goal.q_pregrasp, np.zeros_like(goal.q_pregrasp), float(prediction.t_s[1])),
+                object_at=lambda t_s: seen_by(predictor, t_s),
+                T_object_grasp=candidate.T_object_grasp,
+                backoff_m=self.robot.backoff_m,
+                slide_s=self.method.execution.approach_s,
+                ride_s=CLOSE_AT_MOST_S,
+            )
+
+        picked, refused = self.rehearsal.from_the_first_that_works(picked, start.trusted, request)
+        return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
 
     def _move(
         self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], watch: _Stopwatch
@@ -122,31 +148,38 @@ class Cycle:
         """Plan and retime for the nearest grasp that lets itself be reached."""
         arm = start.arm_at(result.effective_s)
         seed_path = remaining(start.previous, arm)
-        for candidate in picked[:CANDIDATES_TRIED]:
-            result = replace(result, picked=candidate, seed_path=seed_path, refused_by=None, why="")
+        left = list(picked)
+        for _ in range(CANDIDATES_TRIED):
+            if not left:
+                break
+            asked = left[: self._planner.grasps_at_once]
+            choices = [(candidate, goal.q_pregrasp) for candidate in asked for goal in candidate.goals]
+            result = replace(result, picked=asked[0], seed_path=seed_path, refused_by=None, why="")
             with watch("plan"):
-                goals = tuple(goal.q_pregrasp for goal in candidate.goals)
                 rng_seed = int(self._rng.integers(1, 2**31))
-                plan = self._planner.plan(PlanRequest(arm.q, goals, seed_path, rng_seed), self.scene)
+                request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
+                plan = self._planner.plan(request, self.scene)
             if isinstance(plan, Refusal):
                 result = replace(result, refused_by="plan", why=plan.why)
+                left = left[len(asked) :]
                 continue
+            candidate = choices[plan.goal_index][0]
+            result = replace(result, picked=candidate, plan=plan)
             with watch("retime"):
                 trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
             if isinstance(trajectory, Refusal):
-                result = replace(result, plan=plan, refused_by="retime", why=trajectory.why)
+                result = replace(result, refused_by="retime", why=trajectory.why)
+                left.remove(candidate)
                 continue
-            return replace(result, plan=plan, trajectory=trajectory)
+            return replace(result, trajectory=trajectory)
         return result
 
-    def horizon_s(self, start: CycleStart, ready_s: float) -> float:
-        """How far beyond the end of thinking to look: the method's step function of the way still to go."""
-        h = self.method.horizon
-        if start.held is None:
-            return h.far_s
+    def _underway(self, start: CycleStart, ready_s: float) -> Underway | None:
+        if start.held is None or start.previous is None:
+            return None
         tcp = self.kinematics.fk(start.arm_at(ready_s).q)
-        d = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
-        return h.far_s if d > h.far_m else h.middle_s if d > h.near_m else h.near_s
+        gap_m = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
+        return Underway(gap_m, start.previous[1].end_s - ready_s)
 
     def _context(self, start: CycleStart, ready_s: float, prediction: Prediction) -> RankContext:
         return RankContext(
@@ -173,6 +206,13 @@ def _grasps_in_motion_for(config: FilterConfig, grasps: GraspDatabase) -> Prepar
     if not isinstance(config, MotionAware | ReachabilityMotion):
         return None
     return load_motion_aware(grasps.robot, grasps.object).over(grasps.Ts_object_grasp)
+
+
+def seen_by(predictor: Predictor, t_s: Array) -> Array:
+    """(n, 4, 4) predicted poses at simulated times (n,), once there is something to predict from."""
+    prediction = predictor.predict(t_s)
+    assert prediction is not None
+    return prediction.Ts_world_object
 
 
 def remaining(previous: tuple[Path, Trajectory] | None, arm: ArmState) -> Path | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Self
@@ -10,6 +9,7 @@ from typing import Self
 import numpy as np
 
 from backend.cycle import Cycle
+from backend.drawing import drawn_by, generators
 from backend.errors import SimulationError
 from backend.events import MoveObstacle, TimedEvent, WorldEvent
 from backend.kinematics import load_kinematics
@@ -30,6 +30,7 @@ from backend.sim.planning_scene import PlanningScene
 from backend.sim.world import World
 from backend.snapshot import SceneDescription, Snapshot
 from backend.tasks.judge import Judge
+from backend.tasks.setup import TrialSetup
 
 STEPS_PER_TICK = 8
 """Snapshots come at 30 Hz of simulated time."""
@@ -38,17 +39,17 @@ STEPS_PER_TICK = 8
 class Episode:
     """One trial: a world, the robot's belief about it, and the loop that lets the robot act."""
 
-    def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
+    def __init__(self, scenario: Scenario, seed: int | None = None, setup: TrialSetup | None = None) -> None:
+        """``setup`` is how the trial begins; without one it is drawn from the seed."""
         self.scenario = scenario
         self.seed = scenario.seed if seed is None else seed
         self.recorder = Recorder(scenario, self.seed)
         model = load_model(scenario.robot)
         kinematics = load_kinematics(scenario.robot)
         home = np.array(model.description.home_rad)
-        task_rng, sense_rng, cycle_rng = _generators(scenario, self.seed)
-        target = load_object(scenario.object)
-        setup = scenario.task.draw(task_rng, target, kinematics.spheres_world(home))
-        self.world = World(model, scenario.object, setup)
+        task_rng, sense_rng, cycle_rng = generators(scenario, self.seed)
+        self.setup = setup or drawn_by(scenario, task_rng)
+        self.world = World(model, scenario.object, self.setup)
         self._judge = Judge(self.world)
         self._sensor = Sensor(scenario.sensing, sense_rng)
         self._belief = _planning_scene(self.world, PlanningScene(kinematics))
@@ -172,7 +173,7 @@ class Episode:
         return self.world.conveyor.pose_in(t_s - self.world.t_s) @ self._T_tray_object
 
     def _describe(self) -> SceneDescription:
-        setup = self.world.setup
+        setup = self.setup
         return SceneDescription(
             robot=self.scenario.robot,
             object=self.scenario.object,
@@ -202,13 +203,6 @@ class Episode:
             cycles=self._pilot.cycles,
             outcome=None,
         )
-
-
-def _generators(scenario: Scenario, seed: int) -> list[np.random.Generator]:
-    """Independent generators for task, sensing and cycle; the task's depends on nothing but robot, task, object."""
-    names = (scenario.robot, scenario.task.kind, scenario.object)
-    entropy = [seed, *(zlib.crc32(name.encode()) for name in names)]
-    return [np.random.default_rng(child) for child in np.random.SeedSequence(entropy).spawn(3)]
 
 
 def _planning_scene(world: World, scene: PlanningScene) -> PlanningScene:

@@ -23,6 +23,10 @@ class MissingResourceError(GraspingError):
     """A package or file the project needs is not where it should be."""
 
 
+class StorageError(GraspingError):
+    """Results cannot be written any more; what was written before is kept."""
+
+
 class SimulationError(GraspingError):
     """The simulated world left the realm of numbers (diverged, or was used after it was closed)."""
 

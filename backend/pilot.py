@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from backend.cycle import Cycle, CycleStart
+from backend.cycle import Cycle, CycleStart, seen_by
 from backend.pipeline.execute import (
     CLOSE_AT_MOST_S,
     Approach,
     ApproachRequest,
-    ArmState,
     Executor,
     can_grasp,
     correct_approach,
     plan_approach,
-    plan_lift,
 )
 from backend.pipeline.predict import Predictor
 from backend.pipeline.think import ThinkTime
@@ -30,12 +28,10 @@ from backend.trajectory import Path, Trajectory
 
 TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
-LIKELY_CLOSE_S = 0.5
-"""About when after the arrival the fingers have closed and the lift begins."""
+TRUST_S = 0.5
+"""A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
-"""A grasp whose approach is refused is not taken again for so long."""
-CHECK_EVERY = 4
-"""Knots of the approach between two collision checks, 1/15 s."""
+"""A grasp that is refused, by pick, in rehearsal or when going in, is not taken again for so long."""
 
 
 class Pilot:
@@ -59,6 +55,7 @@ class Pilot:
         self._previous: tuple[Path, Trajectory] | None = None
         self._got_to = 0
         self._put_off_until_s: dict[int, float] = {}
+        self._trusted_until_s = 0.0
 
     def observe(self, observation: Observation) -> None:
         """Take in an observation; once the fingers close, the hand knows better than the eye."""
@@ -97,11 +94,17 @@ class Pilot:
             held=self._held,
             previous=self._previous,
             put_off=frozenset(i for i, until_s in self._put_off_until_s.items() if t_s < until_s),
+            trusted=self._held.index if self._held is not None and t_s < self._trusted_until_s else None,
         )
         result = self._cycle.run(start, self._predictor)
         self.result = result
         self.cycles += 1
         self._busy_until_s = result.effective_s
+        if result.shortlist is not None:
+            refused = set(result.shortlist.kept) & set(result.shortlist.rejected)
+            self._put_off_until_s |= dict.fromkeys(refused, t_s + PUT_OFF_S)
+            if result.picked is not None and result.picked.index not in refused | {start.trusted}:
+                self._trusted_until_s = t_s + TRUST_S
         self._got_to = max(self._got_to, _progress(result))
         if result.plan is not None and result.trajectory is not None and result.refused_by is None:
             self._held = result.picked
@@ -121,12 +124,11 @@ class Pilot:
 
     def _go_in(self, t_s: float) -> bool:
         """Begin the approach; False when it, or the lift after it, cannot be done."""
+        assert self._held is not None
         request = self._request(t_s)
-        approach = plan_approach(self._cycle.kinematics, self._cycle.limits.velocity_rps, request)
-        refusal = approach if isinstance(approach, Refusal) else self._unsafe(approach)
-        if isinstance(approach, Refusal) or refusal is not None:
-            self.approach_refusal = "" if refusal is None else refusal.why
-            assert self._held is not None
+        approach = self._cycle.rehearsal.approach(request)
+        if isinstance(approach, Refusal):
+            self.approach_refusal = approach.why
             self._put_off_until_s[self._held.index] = t_s + PUT_OFF_S
             return False
         self.approach_start_s = request.arm.t_s
@@ -146,7 +148,7 @@ class Pilot:
             corrected = plan_approach(kinematics, velocity_rps, request)
         else:
             corrected = correct_approach(kinematics, velocity_rps, request, approach.arrive_s)
-        if not isinstance(corrected, Refusal) and self._unsafe(corrected) is None:
+        if not isinstance(corrected, Refusal) and self._cycle.rehearsal.unsafe(corrected) is None:
             self._begin(corrected)
 
     def _request(self, t_s: float) -> ApproachRequest:
@@ -164,28 +166,9 @@ class Pilot:
         self.executor.begin_approach(approach)
         self._busy_until_s = approach.trajectory.start_s
 
-    def _unsafe(self, approach: Approach) -> Refusal | None:
-        """Why the way in, or the lift that follows it, cannot be done; None when both can."""
-        scene = self._cycle.scene
-        trajectory = approach.trajectory
-        going_in = trajectory.q[trajectory.t_s <= approach.arrive_s + 1e-9][::-CHECK_EVERY]
-        free = scene.free_many(going_in, target=False)
-        if not free.all():
-            blocked = going_in[int(np.argmin(free))]
-            return Refusal(f"approach: {scene.why_blocked(blocked, target=False)}")
-        for lift_s in (approach.arrive_s + LIKELY_CLOSE_S, trajectory.end_s - 1e-3):
-            arm = ArmState(*trajectory.sample(lift_s), lift_s)
-            lift_m = self._cycle.method.execution.lift_m
-            lift = plan_lift(self._cycle.kinematics, self._cycle.limits.velocity_rps, arm, lift_m)
-            if isinstance(lift, Refusal):
-                return lift
-        return None
-
     def _object_at(self, t_s: Array) -> Array:
         """(n, 4, 4) predicted poses at simulated times (n,)."""
-        prediction = self._predictor.predict(t_s)
-        assert prediction is not None
-        return prediction.Ts_world_object
+        return seen_by(self._predictor, t_s)
 
 
 def _progress(result: CycleResult) -> int:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -44,27 +45,32 @@ class Trajectory:
 
     def sample(self, t_s: float) -> tuple[Array, Array]:
         """(q, qd) at ``t_s`` by cubic Hermite interpolation; outside the grid the nearest end, standing still."""
-        if t_s <= self.t_s[0]:
-            return self.q[0], (self.qd[0] if t_s == self.t_s[0] else np.zeros_like(self.qd[0]))
-        if t_s >= self.t_s[-1]:
+        times = self._times
+        if t_s <= times[0]:
+            return self.q[0], (self.qd[0] if t_s == times[0] else np.zeros_like(self.qd[0]))
+        if t_s >= times[-1]:
             return self.q[-1], np.zeros_like(self.qd[-1])
-        i = int(self.t_s.searchsorted(t_s, side="right")) - 1
-        start_s, h = self._spans[i]
-        u = (t_s - start_s) / h
-        v0, c2, c3 = self._cubics[i]
-        return self.q[i] + u * (v0 + u * (c2 + u * c3)), (v0 + u * (2.0 * c2 + u * 3.0 * c3)) / h
+        i = bisect_right(times, t_s) - 1
+        h = times[i + 1] - times[i]
+        u = (t_s - times[i]) / h
+        u3 = u * 3.0
+        joints = self._pieces[i]
+        q = [q0 + u * (v0 + u * (c2 + u * c3)) for q0, v0, c2, c3 in joints]
+        qd = [(v0 + u * (2.0 * c2 + u3 * c3)) / h for _, v0, c2, c3 in joints]
+        return np.array(q), np.array(qd)
 
     @cached_property
-    def _spans(self) -> list[tuple[float, float]]:
-        """Start and length of each of the n - 1 pieces."""
-        return list(zip(self.t_s[:-1].tolist(), np.diff(self.t_s).tolist(), strict=True))
+    def _times(self) -> list[float]:
+        """The grid as plain numbers: this is asked at every step, and Python is quicker than numpy on so few."""
+        return self.t_s.tolist()
 
     @cached_property
-    def _cubics(self) -> Array:
-        """(n - 1, 3, dof) what u, u^2 and u^3 are multiplied by in each piece, u going from 0 to 1."""
+    def _pieces(self) -> list[list[tuple[float, float, float, float]]]:
+        """Of each of the n - 1 pieces and each joint: what 1, u, u^2 and u^3 are multiplied by, u from 0 to 1."""
         h = np.diff(self.t_s)[:, None]
         v0, v1, delta = self.qd[:-1] * h, self.qd[1:] * h, np.diff(self.q, axis=0)
-        return np.stack([v0, 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta], axis=1)
+        cubics = np.stack([self.q[:-1], v0, 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta], axis=-1)
+        return cubics.tolist()
 
     def shifted(self, by_s: float) -> Trajectory:
         """The same motion, ``by_s`` later."""

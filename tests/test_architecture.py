@@ -12,12 +12,18 @@ ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "exe
 HEAVY = {
     "coacd": {"backend/build/convex_parts.py"},
     "torch": {"backend/build/motion_aware.py", "backend/build/predictor.py"},
-    "ompl": {"backend/pipeline/plan/ompl_tree.py"},
+    "ompl": {f"backend/pipeline/plan/ompl_{what}.py" for what in ("roadmap", "space", "tree")},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
-    "ray": set[str](),
+    "ray": {"backend/experiments/executors/ray.py"},
     "duckdb": set[str](),
-    "plotly": set[str](),
-    "matplotlib": {f"backend/build/{what}_figure.py" for what in ("grasp", "motion", "reach")},
+    "pebble": {"backend/experiments/executors/local.py"},
+    "plotly": {"backend/experiments/report/figures.py"},
+    "pyarrow": {"backend/experiments/grid/tables.py"},
+    "statsmodels": {"backend/experiments/report/statistics.py"},
+    "matplotlib": {
+        "backend/bench/seeding_figure.py",
+        *(f"backend/build/{what}_figure.py" for what in ("grasp", "motion", "reach")),
+    },
 }
 
 

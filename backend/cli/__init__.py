@@ -47,9 +47,19 @@ def _parser() -> argparse.ArgumentParser:
     trial.add_argument("--trace", metavar="FILE", help="write the whole trial to FILE, for `replay`")
     _json(trial)
 
-    replay = commands.add_parser("replay", help="run a traced trial again and compare it")
-    replay.add_argument("trace", metavar="FILE")
+    replay = commands.add_parser("replay", help="run a traced trial, or one of a grid, again and compare it")
+    replay.add_argument("what", metavar="FILE|FOLDER", help="a trace, or the folder of a grid")
+    replay.add_argument("key", nargs="?", metavar="KEY", help="which trial: ROBOT/TASK/OBJECT/METHOD/INDEX")
     _json(replay)
+
+    _grid(commands.add_parser("grid", help="the whole experiment: paired trials, kept row by row, resumable"))
+    _merge(commands.add_parser("merge", help="put the rows of a grid's shards together"))
+
+    export = commands.add_parser("export", help="the rows of a grid as Parquet and CSV")
+    export.add_argument("folder", metavar="FOLDER")
+    export.add_argument("--to", metavar="FOLDER", help="default: the grid's own")
+    _json(export)
+    _trials(commands.add_parser("trials", help="how trials begin, as a table that others can run"))
 
     survey = commands.add_parser("survey", help="success of scenarios x objects x seeds, with reasons")
     survey.add_argument("--scenarios", nargs="+", metavar="NAME", help="default: all")
@@ -61,12 +71,15 @@ def _parser() -> argparse.ArgumentParser:
     _json(survey)
 
     _build(commands.add_parser("build", help="make what the robot knows beforehand"))
-    _report(commands.add_parser("report", help="measure what the robot knows beforehand"))
+    _report(commands.add_parser("report", help="of a grid; or measure what the robot knows beforehand"))
     _object(commands.add_parser("object", help="bring your own objects: add, remove, list"))
 
-    bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio")
+    bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio; or of all motion")
+    bench.add_argument("what", nargs="?", choices=["rooms", "motion"], default="rooms")
     bench.add_argument("--scenario", default="ur5_linear")
     bench.add_argument("--trials", type=int, default=5, metavar="N")
+    bench.add_argument("--quick", action="store_true", help="motion: very few cases, to see that it works")
+    bench.add_argument("--figures", metavar="FOLDER", help="motion: also draw, into this folder")
     _json(bench)
 
     warm = commands.add_parser("warm", help="make robot models and compiled kernels once, for quick first starts")
@@ -75,6 +88,47 @@ def _parser() -> argparse.ArgumentParser:
     info = commands.add_parser("info", help="list robots, objects, tasks, methods, scenarios and versions")
     _json(info)
     return parser
+
+
+def _grid(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("file", nargs="?", metavar="FILE", help="a grid file (TOML) with the words of these flags")
+    parser.add_argument("--out", metavar="FOLDER", help="where the rows are kept; run again, it goes on there")
+    parser.add_argument("--robots", nargs="+", metavar="NAME", help="default: all")
+    parser.add_argument("--tasks", nargs="+", metavar="NAME", help="default: the seven of the paper")
+    parser.add_argument("--objects", nargs="+", metavar="NAME", help="default: the seven of the project")
+    parser.add_argument("--methods", nargs="+", metavar="NAME", help="default: the six of the paper's table")
+    parser.add_argument("--trials", type=int, metavar="N", help="of each robot, task, object and method (default 100)")
+    parser.add_argument("--first-seed", type=int, metavar="N", help="of trial 0 (default 0)")
+    parser.add_argument("--profile", choices=["paper", "datasheet"], help="joint speeds (default paper)")
+    parser.add_argument("--think", choices=["budget", "paper"], help="what a cycle is charged (default budget)")
+    parser.add_argument("--judge", choices=["strict", "authors"], help="whose success is shown (default strict)")
+    parser.add_argument("--set", action="append", metavar="PATH=VALUE", help="a condition of every trial")
+    parser.add_argument("--trials-file", metavar="CSV", help="how trials begin, as `trials export` writes it")
+    parser.add_argument("--workers", type=int, metavar="N", help="default: one per core")
+    parser.add_argument("--executor", choices=["local", "ray"], help="where trials run (default local)")
+    parser.add_argument("--ray-address", metavar="HOST:PORT", help="a running cluster; default: one is started here")
+    parser.add_argument("--limit-s", type=float, metavar="S", help="a trial that takes longer is stuck (default 300)")
+    parser.add_argument("--shard", metavar="I/N", help="run this part only; `merge` puts the parts together")
+    parser.add_argument("--dry-run", action="store_true", help="only say how many trials, and about how long")
+    _json(parser)
+
+
+def _merge(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("folder", metavar="FOLDER", help="whose shards are put together, and where everything goes")
+    parser.add_argument("others", nargs="*", metavar="OTHER", help="more folders with rows of the same grid")
+    parser.add_argument("--salvage", action="store_true", help="take what can be read of corrupt files")
+    _json(parser)
+
+
+def _trials(parser: argparse.ArgumentParser) -> None:
+    kinds = parser.add_subparsers(dest="what", required=True, metavar="WHAT")
+    export = kinds.add_parser("export", help="write the starts of a scenario's trials as CSV")
+    export.add_argument("file", metavar="CSV")
+    export.add_argument("--task", nargs="+", required=True, metavar="NAME", help="scenarios, such as ur5_linear")
+    export.add_argument("--objects", nargs="+", metavar="NAME", help="default: each scenario's own")
+    export.add_argument("--n", type=int, default=100, metavar="N", help="of each object (default 100)")
+    export.add_argument("--first-seed", type=int, default=0, metavar="N", help="of the first trial (default 0)")
+    _json(export)
 
 
 def _build(parser: argparse.ArgumentParser) -> None:
@@ -92,7 +146,11 @@ def _build(parser: argparse.ArgumentParser) -> None:
 
 
 def _report(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("what", choices=[*REPORTS, "knowledge"])
+    parser.add_argument(
+        "what", metavar="FOLDER|WHAT", help=f"a grid's folder, or one of {', '.join(REPORTS)}, knowledge"
+    )
+    parser.add_argument("--judge", choices=["strict", "authors"], help="default: the grid's own (grids only)")
+    parser.add_argument("--to", metavar="FOLDER", help="default: report/ in the grid's folder (grids only)")
     parser.add_argument(
         "--motions", type=int, default=3, metavar="N", help="of each family (default 3; prediction only)"
     )

@@ -1,4 +1,7 @@
-"""``bench``: wall time of each room, bare stepping rate of the same world, and the ratio of a trial to it."""
+"""``bench``: wall time of each room, bare stepping rate of the same world, and the ratio of a trial to it.
+
+``bench motion`` has a file of its own.
+"""
 
 import argparse
 import json
@@ -7,15 +10,19 @@ from typing import Any
 
 import numpy as np
 
-from backend.cli.machine import machine
 from backend.episode import Episode
 from backend.errors import InvalidInputError
+from backend.machine import machine
 from backend.pipeline.values import Room
 from backend.scenario import Scenario, load_scenario, with_overrides
 
 
 def run(options: argparse.Namespace) -> int:
     """Print times and ratios, all from one run on this machine; always 0."""
+    if options.what == "motion":
+        from backend.cli import bench_motion
+
+        return bench_motion.run(options)
     if options.trials < 1:
         raise InvalidInputError(f"--trials must be at least 1 (got {options.trials})")
     scenario = load_scenario(options.scenario)

@@ -26,6 +26,8 @@ Margins = tuple[float, float]
 
 OBSTACLE, TARGET, TRAY = 0, 1, 2
 FREE, FLOOR, BODY, SELF = 0, 1, 2, 3
+ROUNDING_M = 1e-9
+"""Bounds are this much larger, so that they never rule out what is looked at more closely after."""
 WITH_TARGET = 1
 """Option: the target is there."""
 HAND_MAY_TOUCH = 2
@@ -176,11 +178,29 @@ def groups_apart(robot: RobotArrays, frames: Array, a: int, b: int, enough: floa
 
 
 @kernel
+def spheres_near(a: Array, b: Array, margin: float) -> bool:
+    """Whether two spheres (x, y, z, radius) are nearer to each other than ``margin``."""
+    dx, dy, dz = a[0] - b[0], a[1] - b[1], a[2] - b[2]
+    reach = a[3] + b[3] + margin + ROUNDING_M
+    return dx * dx + dy * dy + dz * dz < reach * reach
+
+
+@kernel
 def contact(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, q: Array) -> tuple[int, int, int]:
     """What touches first: (FREE, -1, -1), (FLOOR, group, -1), (BODY, group, body) or (SELF, pair, -1)."""
-    links, _, _, trees, pairs = robot
+    links, nodes, _, trees, pairs = robot
     frames = np.empty((links.shape[0] + 1, 12))
     move_bodies(links, q, frames)
+    roots = np.empty((trees.shape[0], 4))
+    for g in range(trees.shape[0]):
+        root = nodes[trees[g, 1]]
+        roots[g, 0], roots[g, 1], roots[g, 2] = point_in(frames[trees[g, 0]], root[0], root[1], root[2])
+        roots[g, 3] = root[3]
+    bounds = np.empty((bodies[0].shape[0], 4))
+    for body in range(bodies[0].shape[0]):
+        shape = bodies[1][body]
+        bounds[body, 0], bounds[body, 1], bounds[body, 2] = point_in(bodies[0][body], shape[0], shape[1], shape[2])
+        bounds[body, 3] = shape[3]
     for g in range(trees.shape[0]):
         row = frames[trees[g, 0]]
         if trees[g, 0] == 0:
@@ -190,10 +210,12 @@ def contact(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: i
         for body in range(bodies[0].shape[0]):
             if ignored(bodies[2][body, 0], trees[g, 3], options):
                 continue
-            if touches_body(robot, row, g, body, bodies, bodies[1][body, 7]):
+            margin = bodies[1][body, 7]
+            if spheres_near(roots[g], bounds[body], margin) and touches_body(robot, row, g, body, bodies, margin):
                 return BODY, g, body
     for p in range(pairs.shape[0]):
-        if groups_apart(robot, frames, pairs[p, 0], pairs[p, 1], margins[1]) < margins[1]:
+        a, b = pairs[p, 0], pairs[p, 1]
+        if spheres_near(roots[a], roots[b], margins[1]) and groups_apart(robot, frames, a, b, margins[1]) < margins[1]:
             return SELF, p, -1
     return FREE, -1, -1
 
@@ -210,6 +232,15 @@ def free_each(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options:
     out = np.empty(qs.shape[0], dtype=np.bool_)
     for i in range(qs.shape[0]):
         out[i] = contact(robot, bodies, margins, options, qs[i])[0] == FREE
+    return out
+
+
+@kernel
+def contact_each(robot: RobotArrays, bodies: BodyArrays, margins: Margins, options: int, qs: Array) -> Integers:
+    """(n, 3) what touches first, see ``contact``, for every row of ``qs`` (n, dof)."""
+    out = np.empty((qs.shape[0], 3), dtype=np.int64)
+    for i in range(qs.shape[0]):
+        out[i, 0], out[i, 1], out[i, 2] = contact(robot, bodies, margins, options, qs[i])
     return out
 
 

@@ -144,40 +144,39 @@ def solve_each(links: Array, limits: Array, targets: Array, nears: Array) -> tup
 
 
 @kernel
-def rank_seeds(
-    target: Array, seeds: Array, seed_rows: Array, yaw_sign: float, turns: Array, order: NDArray[np.int64]
-) -> None:
-    """Fill ``order`` with the seeds nearest to ``target`` and ``turns`` with what to add to joint 1.
+def rate_seeds(target: Array, seed_rows: Array, yaw_sign: float, cost: Array) -> None:
+    """Fill ``cost`` (n,) with how far each seed's tcp is from ``target``, squared.
 
     A first joint that turns about the world's z (``yaw_sign`` +-1) brings seeds to the target's azimuth.
     """
-    n = seeds.shape[0]
-    cost = np.empty(n)
-    azimuth = np.arctan2(target[10], target[9])
-    reach = np.hypot(target[9], target[10])
-    for k in range(n):
+    reach = np.sqrt(target[9] ** 2 + target[10] ** 2)
+    for k in range(seed_rows.shape[0]):
         row = seed_rows[k]
-        turn = 0.0
+        c, s = 1.0, 0.0
         linear = (target[9] - row[9]) ** 2 + (target[10] - row[10]) ** 2
         if yaw_sign != 0.0:
-            turn = azimuth - np.arctan2(row[10], row[9])
-            linear = (reach - np.hypot(row[9], row[10])) ** 2
-        c, s = np.cos(turn), np.sin(turn)
+            seed_reach = np.sqrt(row[9] ** 2 + row[10] ** 2)
+            both = max(reach * seed_reach, 1e-12)
+            c = (target[9] * row[9] + target[10] * row[10]) / both
+            s = (target[10] * row[9] - target[9] * row[10]) / both
+            linear = (reach - seed_reach) ** 2
         trace = 0.0
         for j in range(3):
             trace += target[j] * (c * row[j] - s * row[3 + j])
             trace += target[3 + j] * (s * row[j] + c * row[3 + j])
             trace += target[6 + j] * row[6 + j]
-        turns[k] = yaw_sign * turn
         linear += (target[11] - row[11]) ** 2
         cost[k] = linear + ROTATION_WEIGHT_M**2 * (3.0 - trace)
-    for i in range(order.shape[0]):
-        best = 0
-        for k in range(1, n):
-            if cost[k] < cost[best]:
-                best = k
-        order[i] = best
-        cost[best] = np.inf
+
+
+@kernel
+def take_best(target: Array, seeds: Array, seed_rows: Array, yaw_sign: float, cost: Array, q: Array) -> None:
+    """Put the seed of least ``cost`` into ``q``, its first joint turned to the target; it is not taken again."""
+    best = int(np.argmin(cost))
+    cost[best] = np.inf
+    row = seed_rows[best]
+    q[:] = seeds[best]
+    q[0] += yaw_sign * (np.arctan2(target[10], target[9]) - np.arctan2(row[10], row[9]))
 
 
 @kernel
@@ -195,16 +194,14 @@ def solve_many(
     n, dof = targets.shape[0], near.shape[0]
     lower, upper = limits[0], limits[1]
     out, ok = np.empty((n, dof)), np.zeros(n, dtype=np.bool_)
-    frames, turns = np.empty((dof + 2, 12)), np.empty(seeds.shape[0])
-    order = np.empty(min(restarts, seeds.shape[0]), dtype=np.int64)
+    frames, cost = np.empty((dof + 2, 12)), np.empty(seeds.shape[0])
     for i in range(n):
         ok[i] = solve_near(links, lower, upper, targets[i], near, out[i])
-        if ok[i]:
+        if ok[i] or restarts == 0:
             continue
-        rank_seeds(targets[i], seeds, seed_rows, yaw_sign, turns, order)
-        for k in order:
-            out[i] = seeds[k]
-            out[i, 0] += turns[k]
+        rate_seeds(targets[i], seed_rows, yaw_sign, cost)
+        for _ in range(min(restarts, seeds.shape[0])):
+            take_best(targets[i], seeds, seed_rows, yaw_sign, cost, out[i])
             if descend(links, targets[i], out[i], frames) and wrap_near(out[i], near, lower, upper):
                 ok[i] = True
                 break
@@ -227,18 +224,17 @@ def solve_branches(
     """Distinct solutions (k, dof) for one target, each wrapped next to ``near``, nearest first."""
     dof = near.shape[0]
     lower, upper = limits[0], limits[1]
-    frames, turns = np.empty((dof + 2, 12)), np.empty(seeds.shape[0])
-    order = np.empty(min(tries, seeds.shape[0]), dtype=np.int64)
-    rank_seeds(target, seeds, seed_rows, yaw_sign, turns, order)
-    found = np.empty((order.shape[0] + 1, dof))
+    frames, cost = np.empty((dof + 2, 12)), np.empty(seeds.shape[0])
+    rate_seeds(target, seed_rows, yaw_sign, cost)
+    tries = min(tries, seeds.shape[0])
+    found = np.empty((tries + 1, dof))
     count = 0
-    for attempt in range(order.shape[0] + 1):
+    for attempt in range(tries + 1):
         q = found[count]
         if attempt == 0:
             q[:] = near
         else:
-            q[:] = seeds[order[attempt - 1]]
-            q[0] += turns[order[attempt - 1]]
+            take_best(target, seeds, seed_rows, yaw_sign, cost, q)
         if not (descend(links, target, q, frames) and wrap_near(q, near, lower, upper)):
             continue
         new = True

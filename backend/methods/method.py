@@ -94,7 +94,47 @@ class RrtConnect(Config):
     """Budget of state checks; counted, so that a seed gives the same path on any machine."""
 
 
-PlannerConfig = Annotated[RrtConnect, Field()]
+class Prm(Config):
+    """OMPL's PRM in compiled collision checks, the paper's choice (section IV-D)."""
+
+    kind: Literal["prm"] = "prm"
+    seeded: bool = True
+    """Initialise the roadmap with the previous waypoints."""
+    max_checks: Annotated[int, Field(ge=100, le=1_000_000)] = 20_000
+    """Budget of state checks; counted, so that a seed gives the same path on any machine."""
+
+
+class Chomp(Config):
+    """Covariant Hamiltonian optimisation in compiled kernels: bends a path until it touches nothing."""
+
+    kind: Literal["chomp"] = "chomp"
+    seeded: bool = True
+    """Begin with what is left of the previous path, joined to the new goal."""
+    iterations: Annotated[int, Field(ge=1, le=10_000)] = 30
+    """Steps down from each beginning; counted, so that a seed gives the same path on any machine."""
+    waypoints: Annotated[int, Field(ge=3, le=200)] = 24
+    """That are moved, besides the two ends."""
+    goals: Annotated[int, Field(ge=1, le=40)] = 4
+    """How many of the free goals are tried, preferred first."""
+    bends: Annotated[int, Field(ge=0, le=100)] = 12
+    """How many bent lines are tried after the straight one, spread over those goals."""
+    reach_m: Annotated[float, Field(ge=0.005, le=0.5)] = 0.05
+    """Distances below this cost."""
+    smoothness: Annotated[float, Field(gt=0.0, le=10.0)] = 1e-4
+    """Weight of the squared accelerations against the obstacle cost."""
+
+
+class FastLadder(Config):
+    """Straight edge, previous path reconnected, own trees with shortcuts; compiled, over all grasps picked at once."""
+
+    kind: Literal["fast"] = "fast"
+    seeded: bool = True
+    """Reconnect the previous path, and begin trees with what still holds of it."""
+    max_checks: Annotated[int, Field(ge=100, le=1_000_000)] = 50_000
+    """Budget of state checks; counted, so that a seed gives the same path on any machine."""
+
+
+PlannerConfig = Annotated[RrtConnect | Prm | Chomp | FastLadder, Field(discriminator="kind")]
 
 
 class Toppra(Config):
@@ -124,7 +164,17 @@ class StepHorizon(Config):
     far_s: NonNegativeFloat = 2.0
 
 
-HorizonConfig = Annotated[StepHorizon, Field()]
+class Intercept(Config):
+    """As far ahead as the motion in force will still take: where arm and object meet."""
+
+    kind: Literal["intercept"] = "intercept"
+    first_s: NonNegativeFloat = 2.0
+    """Before there is a motion."""
+    longest_s: PositiveFloat = 4.0
+    """Predictions reach no further."""
+
+
+HorizonConfig = Annotated[StepHorizon | Intercept, Field(discriminator="kind")]
 
 
 class Execution(Config):
@@ -150,7 +200,7 @@ class Method(Config):
     name: str
     title: str
     predictor: PredictorConfig = Kalman()
-    horizon: HorizonConfig = StepHorizon()
+    horizon: HorizonConfig = Intercept()
     filter: FilterConfig = IkFilter()
     planner: PlannerConfig = RrtConnect()
     retimer: RetimerConfig = Fast()

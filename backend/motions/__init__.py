@@ -9,6 +9,6 @@ from backend.motions.linear import LinearMotion
 from backend.motions.sinusoidal import SinusoidalMotion
 
 Motion = Annotated[LinearMotion | CircularMotion | SinusoidalMotion, Field(discriminator="kind")]
-"""All have ``pose_at(t_s)``, ``velocity_at(t_s)``, ``path_world(n)``, ``duration_s`` and ``yaw_rad``."""
+"""All have ``pose_at``, ``xyz_at``, ``velocity_at`` (of ``t_s``), ``path_world(n)``, ``duration_s`` and ``yaw_rad``."""
 
 __all__ = ["CircularMotion", "LinearMotion", "Motion", "SinusoidalMotion"]

@@ -44,10 +44,13 @@ class CircularMotion(Config):
 
     def pose_at(self, t_s: float) -> Pose:
         """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
+        return level_pose(self.xyz_at(t_s), self._ahead)
+
+    def xyz_at(self, t_s: float) -> Point:
+        """Where the tray is then."""
         angle = self._angle_rad(min(max(t_s, 0.0), self.duration_s))
         x, y, z = self.center_m
-        xyz_m = (x + self.radius_m * math.cos(angle), y + self.radius_m * math.sin(angle), z)
-        return level_pose(xyz_m, self._ahead)
+        return x + self.radius_m * math.cos(angle), y + self.radius_m * math.sin(angle), z
 
     def velocity_at(self, t_s: float) -> Array:
         """(3,) m/s of the tray; zero before the start and from the end on."""

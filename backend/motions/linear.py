@@ -50,12 +50,15 @@ class LinearMotion(Config):
 
     def pose_at(self, t_s: float) -> Pose:
         """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
+        return level_pose(self.xyz_at(t_s), self._ahead)
+
+    def xyz_at(self, t_s: float) -> Point:
+        """Where the tray is then."""
         t = min(max(t_s, 0.0), self.duration_s)
         acceleration = (self.end_speed_mps - self.start_speed_mps) / self.duration_s
         progress = (self.start_speed_mps + 0.5 * acceleration * t) * t / self.length_m
         (x0, y0, z0), (x1, y1, z1) = self.start_m, self.end_m
-        xyz_m = (x0 + progress * (x1 - x0), y0 + progress * (y1 - y0), z0 + progress * (z1 - z0))
-        return level_pose(xyz_m, self._ahead)
+        return x0 + progress * (x1 - x0), y0 + progress * (y1 - y0), z0 + progress * (z1 - z0)
 
     def velocity_at(self, t_s: float) -> Array:
         """(3,) m/s of the tray; zero before the start and from the end on."""

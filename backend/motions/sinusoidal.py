@@ -55,11 +55,14 @@ class SinusoidalMotion(Config):
 
     def pose_at(self, t_s: float) -> Pose:
         """T_world_tray at ``t_s``, which is clamped to [0, duration]."""
+        return level_pose(self.xyz_at(t_s), self._ahead)
+
+    def xyz_at(self, t_s: float) -> Point:
+        """Where the tray is then."""
         progress_m = self.speed_mps * min(max(t_s, 0.0), self.duration_s)
         swing_m = self.amplitude_m * math.sin(2.0 * math.pi * progress_m / self.period_m)
         (x, y, z), (ax, ay) = self.start_m, self._ahead
-        xyz_m = (x + progress_m * ax - swing_m * ay, y + progress_m * ay + swing_m * ax, z)
-        return level_pose(xyz_m, self._ahead)
+        return x + progress_m * ax - swing_m * ay, y + progress_m * ay + swing_m * ax, z
 
     def velocity_at(self, t_s: float) -> Array:
         """(3,) m/s of the tray; zero before the start and from the end on."""

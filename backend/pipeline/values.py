@@ -155,6 +155,7 @@ class Plan:
 
     path: Path
     goal_index: int
+    """Of the request's goals."""
     how: str
     """Which step of the planner's ladder found it: ``straight``, ``reconnected``, ``seeded`` or ``unseeded``."""
     checks: int

@@ -15,8 +15,8 @@ class Conveyor:
         self.belt_s = 0.0
         self.rate = 1.0
         self._wanted_rate = 1.0
-        self.pose = motion.pose_at(0.0)
-        """T_world_tray: the middle of the tray's top face."""
+        self.xyz_m = motion.xyz_at(0.0)
+        """The middle of the tray's top face, in the world."""
 
     def request_rate(self, rate: float) -> None:
         """Run at ``rate`` times the motion's own speed from now on, reached by a ramp."""
@@ -28,7 +28,12 @@ class Conveyor:
         slope = RATE_SLOPE_PER_S * dt_s
         self.rate += min(max(change, -slope), slope)
         self.belt_s = min(max(self.belt_s + self.rate * dt_s, 0.0), self._motion.duration_s)
-        self.pose = self._motion.pose_at(self.belt_s)
+        self.xyz_m = self._motion.xyz_at(self.belt_s)
+
+    @property
+    def pose(self) -> Pose:
+        """T_world_tray: the middle of the tray's top face."""
+        return self._motion.pose_at(self.belt_s)
 
     @property
     def at_end(self) -> bool:

@@ -133,6 +133,11 @@ class PlanningScene:
             resolution_rad,
         )
 
+    @property
+    def arrays(self) -> tuple[kernels.RobotArrays, kernels.BodyArrays, kernels.Margins, int]:
+        """What compiled planners read: robot, bodies, margins and options; of now, not to be kept or written to."""
+        return self._robot, self._table.arrays, self._margins, kernels.WITH_TARGET
+
     def clearance_m(self, q: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> float:
         """At most the distance to the nearest forbidden contact, at most ``FAR_M``; no margins."""
         options = _options(target, hand_may_touch_target)
@@ -140,8 +145,16 @@ class PlanningScene:
 
     def why_blocked(self, q: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> str:
         """Which link is too near to what, in words; empty when the posture is free."""
+        return self.why_blocked_many(q[None], target=target, hand_may_touch_target=hand_may_touch_target)[0]
+
+    def why_blocked_many(self, qs: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> list[str]:
+        """The same for each posture of (n, dof)."""
         options = _options(target, hand_may_touch_target)
-        kind, one, other = kernels.contact(self._robot, self._table.arrays, self._margins, options, _row(q))
+        found = kernels.contact_each(self._robot, self._table.arrays, self._margins, options, _row(qs))
+        return [self._words(kind, one, other) for kind, one, other in found.tolist()]
+
+    def _words(self, kind: int, one: int, other: int) -> str:
+        """What a kernel's ``contact`` means."""
         names = self.kinematics.spheres.names
         if kind == kernels.FLOOR:
             return f"{names[one]} too near to the floor"

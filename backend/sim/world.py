@@ -34,12 +34,15 @@ class World:
         self.setup = setup
         self.conveyor = Conveyor(setup.motion)
         self.steps = 0
+        self._seen = (-1, Pose.identity())
+        """The step at which the object was last looked at, and where it was: senses, judge and record all ask."""
         self._bullet = Bullet()
         self._floor = self._bullet.add_floor()
         home = np.array(model.description.home_rad)
         self._robot = self._bullet.add_robot(model, home, model.description.gripper.open_rad)
         self.gripper = GripperDrive(model.description.gripper)
         self._tray_center = Pose.of((0.0, 0.0, -setup.tray_size_m[2] / 2))
+        self._T_center_tray = self._tray_center.inverse()
         T_world_tray = self.conveyor.pose
         self._tray_wxyz = T_world_tray.wxyz
         self._tray = self._bullet.add_box(setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG)
@@ -69,9 +72,9 @@ class World:
 
     def step(self, q: Array, qd: Array) -> None:
         """One physics step towards joint positions ``q`` (dof,) rad moving at ``qd`` (dof,) rad/s."""
-        before = self.conveyor.pose.xyz_m
+        before = np.array(self.conveyor.xyz_m)
         self.conveyor.advance(STEP_S)
-        self._carry(before, (self.conveyor.pose.xyz_m - before) / STEP_S)
+        self._carry(before, (self.conveyor.xyz_m - before) / STEP_S)
         self._robot.command(q, qd)
         self._robot.command_gripper(self.gripper.update(STEP_S))
         self._bullet.step()
@@ -114,10 +117,15 @@ class World:
 
     def object_pose(self) -> Pose:
         """T_world_object; raises ``SimulationError`` when the physics has diverged."""
+        step, pose = self._seen
+        if step == self.steps:
+            return pose
         try:
-            return self._bullet.pose(self._target)
+            pose = self._bullet.pose(self._target)
         except ValueError as error:
             raise SimulationError(f"The simulation diverged at {self.t_s:.3f} s: {error}") from error
+        self._seen = self.steps, pose
+        return pose
 
     def object_velocity(self) -> tuple[Array, Array]:
         """Linear (3,) m/s and angular (3,) rad/s."""
@@ -125,7 +133,7 @@ class World:
 
     def tray_pose(self) -> Pose:
         """T_world_tray, middle of the top face, as the physics has it."""
-        return self._bullet.pose(self._tray) @ self._tray_center.inverse()
+        return self._bullet.pose(self._tray) @ self._T_center_tray
 
     def tray_velocity(self) -> Array:
         """(3,) m/s as the physics has it."""

@@ -37,7 +37,10 @@ class Judge:
 
     def fallen(self, world: World) -> bool:
         """Whether the object has left the tray downwards."""
-        return float(world.object_pose().xyz_m[2] - world.tray_pose().xyz_m[2]) < -FALLEN_M
+        z = world.object_pose().xyz_m[2]
+        if z - world.conveyor.xyz_m[2] > -0.5 * FALLEN_M:  # the tray is where its belt is to a tenth of a millimetre
+            return False
+        return float(z - world.tray_pose().xyz_m[2]) < -FALLEN_M
 
     def knocked(self, world: World) -> str | None:
         """Which obstacle is not where it belongs; None if all are."""

@@ -1,13 +1,14 @@
 """What every planner must satisfy."""
 
 import itertools
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 import pytest
 
 from backend.kinematics import load_kinematics
-from backend.methods.method import PlannerConfig, RrtConnect
+from backend.methods.method import Chomp, FastLadder, PlannerConfig, Prm, RrtConnect
 from backend.objects import load_object
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.values import Plan, PlanRequest, Refusal
@@ -16,8 +17,13 @@ from backend.robots import ROBOTS
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Path
 
-CONFIGS = [RrtConnect(), RrtConnect(seeded=False)]
+Kind = type[RrtConnect | Prm | Chomp | FastLadder]
+KINDS = [RrtConnect, Prm, Chomp, FastLadder]
+SAMPLING = [RrtConnect, Prm, FastLadder]
+CONFIGS = [kind(seeded=seeded) for kind in KINDS for seeded in (True, False)]
 FINE_RAD = 0.007
+GRAZE_M = 1e-4
+"""The arm keeps no margin from itself: between two postures that were checked, its spheres may graze each other."""
 
 
 @pytest.fixture(params=CONFIGS, ids=lambda c: f"{c.kind}-{'seeded' if c.seeded else 'unseeded'}")
@@ -27,7 +33,11 @@ def planner(request: pytest.FixtureRequest) -> Planner:
 
 @pytest.fixture(params=sorted(ROBOTS), scope="module")
 def scene(request: pytest.FixtureRequest) -> PlanningScene:
-    scene = PlanningScene(load_kinematics(request.param))
+    return furnished(request.param)
+
+
+def furnished(robot: str) -> PlanningScene:
+    scene = PlanningScene(load_kinematics(robot))
     for name, x, y in (("bleach_cleanser", 0.4, -0.2), ("power_drill", -0.3, 0.4), ("sugar_box", 0.3, 0.3)):
         scene.add_object(load_object(name), Pose.from_xyz_yaw((x, y, 0.0), 0.5))
     scene.add_box((0.1, 1.0, 0.02), Pose.of((0.4, 0.0, 0.45)))
@@ -47,13 +57,22 @@ def requests(scene: PlanningScene, count: int = 12) -> list[PlanRequest]:
     return [PlanRequest(qs[2 * i], (qs[2 * i + 1],), None, rng_seed=i + 1) for i in range(count)]
 
 
-def hard_request(scene: PlanningScene, planner: Planner) -> Plan:
-    """The answer to a request that a straight edge does not answer."""
+def hard_request(scene: PlanningScene, planner: Planner, least: int = 0) -> PlanRequest:
+    """A request that a straight edge does not answer, though the planner does; the first after ``least`` others."""
     for request in requests(scene, 40):
         plan = planner.plan(request, scene)
         if isinstance(plan, Plan) and plan.how == "unseeded" and len(plan.path.waypoints) > 2:
-            return plan
+            if least == 0:
+                return request
+            least -= 1
     raise AssertionError("no hard request")
+
+
+def hard_path(scene: PlanningScene, planner: Planner) -> Array:
+    """The waypoints that answer a hard request."""
+    plan = planner.plan(hard_request(scene, planner), scene)
+    assert isinstance(plan, Plan)
+    return plan.path.waypoints
 
 
 def dense(waypoints: Array, step_rad: float) -> Array:
@@ -64,14 +83,23 @@ def dense(waypoints: Array, step_rad: float) -> Array:
     return np.concatenate(parts)
 
 
+def assert_touches_nothing(waypoints: Array, scene: PlanningScene):
+    links = scene.kinematics.spheres.names
+    for q in dense(waypoints, FINE_RAD):
+        if (clearance_m := scene.clearance_m(q)) <= 0.0:
+            why = scene.why_blocked(q)
+            assert why.split(" too near to ")[1] in links and clearance_m > -GRAZE_M, f"{clearance_m} m: {why}"
+
+
 def deviation_rad(path: Array, reference: Array) -> float:
     gaps = np.linalg.norm(dense(path, 0.02)[:, None] - dense(reference, 0.02)[None], axis=2)
     return float(gaps.min(axis=1).max())
 
 
 def test_every_planner_is_tested():
-    kinds = get_args(get_args(PlannerConfig)[0]) or (get_args(PlannerConfig)[0],)
-    assert {kind.__name__ for kind in kinds} == {type(config).__name__ for config in CONFIGS}
+    assert {kind.__name__ for kind in get_args(get_args(PlannerConfig)[0])} == {
+        type(config).__name__ for config in CONFIGS
+    }
 
 
 def test_paths_end_exactly_and_touch_nothing(planner: Planner, scene: PlanningScene):
@@ -84,8 +112,17 @@ def test_paths_end_exactly_and_touch_nothing(planner: Planner, scene: PlanningSc
         waypoints = plan.path.waypoints
         assert np.array_equal(waypoints[0], request.q_start)
         assert np.array_equal(waypoints[-1], request.goals[plan.goal_index])
-        assert min(scene.clearance_m(q) for q in dense(waypoints, FINE_RAD)) > 0.0
+        assert_touches_nothing(waypoints, scene)
     assert solved >= 10
+
+
+def test_most_problems_that_have_a_solution_are_solved(planner: Planner, scene: PlanningScene):
+    """Of those that no straight edge solves and that the complete planner, given as much as it needs, does."""
+    complete = make_planner(RrtConnect(max_checks=200_000))
+    answers = [(request, complete.plan(request, scene)) for request in requests(scene, 60)]
+    hard = [request for request, plan in answers if isinstance(plan, Plan) and plan.how != "straight"]
+    solved = [isinstance(planner.plan(request, scene), Plan) for request in hard]
+    assert len(solved) >= 8 and np.mean(solved) >= 0.7
 
 
 def test_the_same_seed_gives_the_same_path_in_any_order(planner: Planner, scene: PlanningScene):
@@ -122,28 +159,54 @@ def test_malformed_goals_are_refused(planner: Planner, scene: PlanningScene, goa
     assert isinstance(answer, Refusal) and answer.why
 
 
-def test_a_seed_path_of_another_robot_does_no_harm(planner: Planner, scene: PlanningScene):
-    request = requests(scene)[0]
-    with_seed = PlanRequest(request.q_start, request.goals, Path(np.zeros((4, 3))), request.rng_seed)
-    assert isinstance(planner.plan(with_seed, scene), Plan)
+def test_a_goal_beyond_the_limits_is_refused(planner: Planner, scene: PlanningScene):
+    start, free, _ = free_postures(scene, 3, seed=9)
+    stiff = PlanningScene(replace(scene.kinematics, limits=np.stack([start, start])))
+    answer = planner.plan(PlanRequest(start, (free,), None, 1), stiff)
+    assert isinstance(answer, Refusal) and "beyond its limits" in answer.why
+    answer = planner.plan(PlanRequest(start, (free, start), None, 1), stiff)
+    assert isinstance(answer, Plan) and answer.goal_index == 1
+
+
+@pytest.mark.parametrize("waypoints", [np.zeros((4, 3)), np.zeros((0, 6)), np.zeros(6), np.full((3, 6), np.nan)])
+def test_a_seed_path_that_is_none_does_no_harm(planner: Planner, scene: PlanningScene, waypoints: Array):
+    request = hard_request(scene, planner)
+    plan = planner.plan(replace(request, seed_path=Path(waypoints)), scene)
+    without = planner.plan(request, scene)
+    assert isinstance(plan, Plan) and isinstance(without, Plan)
+    assert np.array_equal(plan.path.waypoints, without.path.waypoints)
+
+
+@pytest.mark.timeout(120)
+def test_many_goals_are_no_harder_than_one(planner: Planner, scene: PlanningScene):
+    goals = free_postures(scene, 40, seed=8)
+    hard = [hard_request(scene, planner, least=i) for i in range(4)]
+    for request in hard:
+        behind = [goal for goal in goals if not scene.edge_free(request.q_start, goal)]
+        plan = planner.plan(replace(request, goals=(*request.goals, *behind)), scene)
+        assert isinstance(plan, Plan) and plan.how == "unseeded"
+        assert np.array_equal(plan.path.waypoints[-1], [*request.goals, *behind][plan.goal_index])
+        assert_touches_nothing(plan.path.waypoints, scene)
 
 
 @pytest.mark.timeout(60)
-def test_a_walled_in_goal_ends_by_its_budget():
+@pytest.mark.parametrize("kind", SAMPLING)
+def test_a_goal_behind_walls_ends_by_its_budget(kind: Kind):
     scene = PlanningScene(load_kinematics("ur5_robotiq"))
     start = np.array(scene.kinematics.description.home_rad)
     goal = start + np.array([2.5, 0.0, 0.0, 0.0, 0.0, 0.0])
     for yaw in (1.25, 3.9):
-        scene.add_box((3.0, 0.02, 3.0), Pose.from_xyz_yaw((1.95 * np.cos(yaw), 1.95 * np.sin(yaw), 1.5), yaw))
-    answer = make_planner(RrtConnect(max_checks=200)).plan(PlanRequest(start, (goal,), None, 1), scene)
+        scene.add_box((3.0, 0.02, 3.0), Pose.from_xyz_yaw((1.75 * np.cos(yaw), 1.75 * np.sin(yaw), 1.5), yaw))
+    answer = make_planner(kind.model_validate({"max_checks": 200})).plan(PlanRequest(start, (goal,), None, 1), scene)
     assert isinstance(answer, Refusal)
     assert answer.why == "no path to any of 1 goals found" and 200 <= answer.checks < 1000
 
 
-def test_seeding_keeps_to_the_previous_path(scene: PlanningScene):
-    seeded, unseeded = (make_planner(config) for config in CONFIGS)
-    plan = hard_request(scene, unseeded)
-    waypoints = plan.path.waypoints
+@pytest.mark.parametrize("kind", KINDS)
+def test_seeding_keeps_to_the_previous_path(kind: Kind, scene: PlanningScene):
+    """Whoever found that path: a planner that begins with a straight line comes back to its own paths unseeded."""
+    seeded, unseeded = make_planner(kind()), make_planner(kind(seeded=False))
+    waypoints = hard_path(scene, make_planner(RrtConnect(seeded=False)))
     start = waypoints[0] + 0.1 * (waypoints[1] - waypoints[0])
     goal = waypoints[-1] + 0.02
     seed = Path(np.vstack([start, waypoints[1:]]))
@@ -153,3 +216,18 @@ def test_seeding_keeps_to_the_previous_path(scene: PlanningScene):
     gaps = [deviation_rad(p.path.waypoints, waypoints) for p in fresh if isinstance(p, Plan)]
     assert deviation_rad(again.path.waypoints, waypoints) < np.mean(gaps)
     assert all(isinstance(p, Plan) and p.how == "unseeded" for p in fresh)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_previous_path_that_is_blocked_by_now_is_left_in_time(kind: Kind):
+    scene = furnished("ur5_robotiq")
+    waypoints = hard_path(scene, make_planner(kind(seeded=False)))
+    between = dense(waypoints, 0.02)
+    middle = scene.kinematics.fk(between[len(between) // 2])
+    scene.add_box((0.05, 0.05, 0.05), Pose.of(tuple(middle[:3, 3])))
+    assert not all(scene.free_many(between)) and scene.is_free(waypoints[0]) and scene.is_free(waypoints[-1])
+    request = PlanRequest(waypoints[0], (waypoints[-1],), Path(waypoints), 3)
+    plan, again = (make_planner(kind()).plan(request, scene) for _ in range(2))
+    assert isinstance(plan, Plan) and isinstance(again, Plan)
+    assert np.array_equal(plan.path.waypoints, again.path.waypoints)
+    assert_touches_nothing(plan.path.waypoints, scene)

@@ -11,7 +11,7 @@ from backend.pipeline.values import PlanarMotion
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
 
-PUT_OFF = "its approach was refused a moment ago"
+PUT_OFF = "it was refused a moment ago"
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +25,7 @@ class RankContext:
     held: int | None
     """Index of the grasp the arm is moving to."""
     put_off: frozenset[int]
-    """Indices of grasps whose approach was refused a moment ago."""
+    """Indices of grasps that were refused a moment ago, by a room or in rehearsal."""
     lift_m: float
     rng: np.random.Generator
     reachability: ReachabilityField | None = None

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backend.pipeline.values import PlanRequest, Refusal
 from backend.pose import Array
@@ -14,6 +15,9 @@ LEAVE_STEPS_RAD = (0.02, 0.05, 0.1, 0.2, 0.3)
 """How far, in the joint that moves most, a way out of a safety margin is looked for."""
 LEAVE_DIRECTIONS = 24
 LEAVE_RESOLUTION_RAD = 0.02
+LIMIT_TOLERANCE_RAD = 1e-6
+BEYOND_RAD = float(np.pi)
+"""How far outside the box of all ends joints are sampled."""
 CLOSER_M = 1e-3
 """A way out may come this much nearer to what the start is near to: rounding of the sphere cover."""
 
@@ -37,13 +41,23 @@ def check_ends(request: PlanRequest, scene: PlanningScene) -> Ends | Refusal:
     wrong = _malformed(request, scene)
     if wrong is not None:
         return Refusal(wrong)
-    free = scene.free_many(np.array(request.goals))
+    goals = np.array(request.goals)
+    beyond = _beyond_limits(goals, scene.kinematics.limits)
+    free = scene.free_many(goals) & ~beyond.any(axis=1)
     if not free.any():
-        return Refusal(f"goal: {scene.why_blocked(request.goals[0])}", checks=len(free))
+        why = scene.why_blocked(goals[0]) or f"joint {int(np.argmax(beyond[0])) + 1} beyond its limits"
+        return Refusal(f"goal: {why}", checks=len(free))
     lead = _lead_out(request, scene)
     if lead is None:
         return Refusal(f"start: {scene.why_blocked(request.q_start)}", checks=len(free) + 1)
     return Ends(lead, tuple((i, goal) for i, goal in enumerate(request.goals) if free[i]))
+
+
+def sampled_box(ends: Array, limits: Array) -> Array:
+    """(2, dof) lower and upper bounds, in rad, of the postures worth sampling between ``ends`` (n, dof)."""
+    lower = np.maximum(limits[0], ends.min(axis=0) - BEYOND_RAD)
+    upper = np.minimum(limits[1], ends.max(axis=0) + BEYOND_RAD)
+    return np.stack([lower, upper])
 
 
 def _malformed(request: PlanRequest, scene: PlanningScene) -> str | None:
@@ -54,6 +68,11 @@ def _malformed(request: PlanRequest, scene: PlanningScene) -> str | None:
     if any(q.shape != (dof,) or not np.isfinite(q).all() for q in postures):
         return f"start and goals must be {dof} finite joint angles each"
     return None
+
+
+def _beyond_limits(qs: Array, limits: Array) -> NDArray[np.bool_]:
+    """(n, dof) whether each joint is outside ``limits`` (2, dof) by more than rounding."""
+    return (qs < limits[0] - LIMIT_TOLERANCE_RAD) | (qs > limits[1] + LIMIT_TOLERANCE_RAD)
 
 
 def _lead_out(request: PlanRequest, scene: PlanningScene) -> Array | None:

@@ -1,4 +1,4 @@
-"""OMPL's RRT-Connect behind one function; the only file that imports OMPL."""
+"""OMPL's RRT-Connect behind one function."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ from typing import Any
 import numpy as np
 from ompl import base as ob
 from ompl import geometric as og
-from ompl import util as ou
 
+from backend.pipeline.plan.ends import sampled_box
+from backend.pipeline.plan.ompl_space import space_information, start_random_numbers
 from backend.pipeline.plan.seed_path import CheckCount
 from backend.pose import Array
 
 RANGE_RAD = 1.0
 """Longest edge the trees grow by."""
-BEYOND_RAD = float(np.pi)
-"""How far outside the box of all ends joints are sampled."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,20 +31,10 @@ class TreePath:
 def connect(
     starts: Array, goals: Array, limits: Array, count: CheckCount, max_checks: int, rng_seed: int
 ) -> TreePath | None:
-    """Grow trees from free ``starts`` (n, dof) and ``goals`` (m, dof) until they meet or checks run out.
-
-    OMPL draws the seed of every generator from one global sequence. That sequence is started anew here,
-    before anything that owns a generator is made, so that the path depends on ``rng_seed`` only. OMPL logs an
-    error about it, which is why its log is switched off.
-    """
-    ou.setLogLevel(ou.LogLevel.LOG_NONE)
-    ou.RNG.setSeed(1 + rng_seed % (2**31 - 1))
-    space = _space(np.vstack([starts, goals]), limits)
-    info = ob.SpaceInformation(space)
+    """Grow trees from free ``starts`` (n, dof) and ``goals`` (m, dof) until they meet or checks run out."""
+    start_random_numbers(rng_seed)
     stop_at = count.checks + max_checks
-    is_valid, motions = _validity(count, info, starts.shape[1])
-    info.setStateValidityChecker(is_valid)
-    info.setMotionValidator(motions)
+    info = space_information(sampled_box(np.vstack([starts, goals]), limits), count.is_free, count.edge_free)
     info.setup()
     problem = _problem(info, starts, goals)
     tree = og.RRTConnect(info)
@@ -68,30 +57,6 @@ def _budget(count: CheckCount, stop_at: int, most_calls: int) -> Callable[[], bo
         return count.checks >= stop_at or calls > most_calls
 
     return spent
-
-
-def _space(ends: Array, limits: Array) -> Any:
-    lower = np.maximum(limits[0], ends.min(axis=0) - BEYOND_RAD)
-    upper = np.minimum(limits[1], ends.max(axis=0) + BEYOND_RAD)
-    dof = limits.shape[1]
-    bounds = ob.RealVectorBounds(dof)
-    for i in range(dof):
-        bounds.setLow(i, float(lower[i]))
-        bounds.setHigh(i, float(upper[i]))
-    space = ob.RealVectorStateSpace(dof)
-    space.setBounds(bounds)
-    return space
-
-
-def _validity(count: CheckCount, info: Any, dof: int) -> tuple[Callable[[Any], bool], Any]:
-    def is_valid(state: Any) -> bool:
-        return count.is_free(np.array(state[0:dof]))
-
-    class Motions(ob.MotionValidator):
-        def checkMotion(self, a: Any, b: Any) -> bool:
-            return count.edge_free(np.array(a[0:dof]), np.array(b[0:dof]))
-
-    return is_valid, Motions(info)
 
 
 def _problem(info: Any, starts: Array, goals: Array) -> Any:

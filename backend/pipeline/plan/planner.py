@@ -9,6 +9,9 @@ from backend.sim.planning_scene import PlanningScene
 class Planner(Protocol):
     """Finds a path from a start to the first goal it can reach."""
 
+    grasps_at_once: int
+    """The goals of how many picked grasps it wants in one request."""
+
     def plan(self, request: PlanRequest, scene: PlanningScene) -> Plan | Refusal:
         """A path that starts at ``q_start`` and ends exactly at a goal, or why there is none.
 

@@ -12,6 +12,8 @@ from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Path
 
 SAME_RAD = 1e-6
+MOST_SEED_STATES = 24
+SEED_SPACING_RAD = 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,17 +54,31 @@ def straight(ends: Ends, count: CheckCount) -> Found | None:
 def valid_chain(ends: Ends, seed: Path | None, count: CheckCount) -> Array:
     """(n, dof) the start and the waypoints of the previous path that still follow from it validly."""
     chain = [ends.start]
-    if seed is not None and seed.waypoints.ndim == 2 and seed.waypoints.shape[1] == ends.start.size:
-        for waypoint in _ahead(seed.waypoints, ends.start):
-            if not count.edge_free(chain[-1], waypoint):
-                break
-            chain.append(waypoint)
+    for waypoint in ahead(ends, seed):
+        if not count.edge_free(chain[-1], waypoint):
+            break
+        chain.append(waypoint)
     return np.array(chain)
 
 
+def ahead(ends: Ends, seed: Path | None) -> Array:
+    """(n, dof) the waypoints of the previous path after its point nearest to the start; none without such a path."""
+    none = np.zeros((0, ends.start.size))
+    if seed is None or seed.waypoints.ndim != 2 or seed.waypoints.shape[1:] != none.shape[1:]:
+        return none
+    if len(seed.waypoints) == 0 or not np.isfinite(seed.waypoints).all():
+        return none
+    return _ahead(seed.waypoints, ends.start)
+
+
 def reconnected(ends: Ends, chain: Array, count: CheckCount) -> Found | None:
-    """Along the previous path as far as possible, then straight to a goal."""
-    for last in range(len(chain) - 1, 0, -1):
+    """Along the previous path as far as possible, then straight to a goal.
+
+    Its end is where the goal was before, so the corner before that is tried first: otherwise every cycle would add
+    a waypoint.
+    """
+    last_first = range(len(chain) - 1, 0, -1)
+    for last in sorted(last_first, key=lambda i: i != len(chain) - 2):
         for index, goal in ends.goals:
             if count.edge_free(chain[last], goal):
                 return Found(np.vstack([ends.lead, chain[1 : last + 1], goal]), index, "reconnected")
@@ -78,6 +94,19 @@ def without_repeats(waypoints: Array) -> Array:
     if keep[-1] != len(waypoints) - 1:
         keep[-1 if len(keep) > 1 else 0] = len(waypoints) - 1
     return waypoints[keep]
+
+
+def along(chain: Array) -> tuple[Array, list[int]]:
+    """(n, dof) evenly spread states along a chain of waypoints, and for each the waypoint at or before it."""
+    length = float(np.linalg.norm(np.diff(chain, axis=0), axis=1).sum())
+    spacing = max(SEED_SPACING_RAD, length / MOST_SEED_STATES)
+    states, before = [chain[0]], [0]
+    for i in range(len(chain) - 1):
+        edge = chain[i + 1] - chain[i]
+        pieces = max(1, int(np.linalg.norm(edge) / spacing))
+        states.extend(chain[i] + edge * (k / pieces) for k in range(1, pieces + 1))
+        before.extend([*([i] * (pieces - 1)), i + 1])
+    return np.array(states), before
 
 
 def _ahead(waypoints: Array, q: Array) -> Array:

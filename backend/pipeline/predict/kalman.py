@@ -42,8 +42,10 @@ class KalmanPredictor:
             return None
         ahead = t_s - self._t_s
         states = self._state[0] + np.outer(ahead, self._state[1])
-        std = [float(np.sqrt(self._propagated(self._state, max(dt, 0.0))[1][0, 0])) for dt in ahead]
-        return Prediction(t_s, poses(states, self._tilt), np.array(std), self._state[1, :3])
+        dt = np.maximum(ahead, 0.0)
+        (p, c), (_, v) = self._covariance
+        variance = p + dt * (2.0 * c + dt * (v + dt * self._spectral / 3.0))
+        return Prediction(t_s, poses(states, self._tilt), np.sqrt(variance), self._state[1, :3])
 
     def _propagated(self, state: Array, dt_s: float) -> tuple[Array, Array]:
         """State (2, 4) and covariance (2, 2) after ``dt_s`` without a measurement."""

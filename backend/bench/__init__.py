@@ -1,0 +1,1 @@
+"""bench: what the machinery of motion does and how fast, measured beside what is wanted of it."""

@@ -1,0 +1,95 @@
+"""Retiming from any velocity, limits along what was executed, and how directly the arm went."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from backend.bench.course import Course, taken_over
+from backend.bench.figure import Figure
+from backend.methods.method import Fast
+from backend.pipeline.retime import retime
+from backend.pose import Array
+from backend.trajectory import Trajectory
+
+STILL_RAD = 5e-4
+"""A joint that moves less in a thirtieth of a second stands still."""
+
+
+def retiming(courses: Sequence[Course], count: int, rng: np.random.Generator) -> list[Figure]:
+    """Success of retiming the paths of the trials from random velocities within the limits, and in the trials."""
+    timed: list[bool] = []
+    for course in courses:
+        plans = [cycle.plan for cycle in course.cycles if cycle.plan is not None]
+        for _ in range(count if plans else 0):
+            path = plans[int(rng.integers(len(plans)))].path
+            qd = rng.uniform(-1.0, 1.0, path.waypoints.shape[1]) * course.limits.velocity_rps
+            timed.append(isinstance(retime(path, qd, course.limits, 0.0, Fast()), Trajectory))
+    planned = [cycle for course in courses for cycle in course.cycles if cycle.plan is not None]
+    kept = [cycle.refused_by != "retime" for cycle in planned]
+    return [
+        Figure("retiming", "success from any velocity", _percent(timed), "%", ">=", 99.5, len(timed)),
+        Figure("retiming", "success in trials, touching nothing", _percent(kept), "%", ">=", None, len(kept)),
+    ]
+
+
+def limits(courses: Sequence[Course]) -> list[Figure]:
+    """Largest velocity and acceleration over their limits while in force, and jumps where a new plan takes over."""
+    fastest, strongest, jump, count = 0.0, 0.0, 0.0, 0
+    for course in courses:
+        followed = taken_over(course)
+        for i, trajectory in enumerate(followed):
+            until_s = followed[i + 1].start_s if i + 1 < len(followed) else trajectory.end_s
+            qd, qdd = peaks(trajectory, until_s)
+            fastest = max(fastest, float((qd / course.limits.velocity_rps).max()))
+            strongest = max(strongest, float((qdd / course.limits.acceleration_rps2).max()))
+            count += 1
+            if i + 1 < len(followed):
+                _, before = trajectory.sample(until_s)
+                jump = max(jump, float(np.abs(followed[i + 1].qd[0] - before).max()))
+    return [
+        Figure("limits", "largest velocity over its limit", fastest, "x", "<=", 1.0, count),
+        Figure("limits", "largest acceleration over its limit", strongest, "x", "<=", 1.02, count),
+        Figure("limits", "largest jump of velocity at a new plan", jump, "rad/s", "<=", 1e-3, count),
+    ]
+
+
+def peaks(trajectory: Trajectory, until_s: float) -> tuple[Array, Array]:
+    """(dof,) largest |qd| and |qdd| of every joint up to ``until_s``, exactly, of the cubics between the knots."""
+    last = max(1, int(np.searchsorted(trajectory.t_s, until_s - 1e-9)))
+    h = np.diff(trajectory.t_s[: last + 1])[:, None]
+    v0, v1 = trajectory.qd[:last], trajectory.qd[1 : last + 1]
+    rise = np.diff(trajectory.q[: last + 1], axis=0) / h
+    a0, a1 = (6.0 * rise - 4.0 * v0 - 2.0 * v1) / h, (2.0 * v0 + 4.0 * v1 - 6.0 * rise) / h
+    turns = (a0 * a1 < 0.0) & (a0 != a1)
+    share = np.where(turns, a0 / np.where(turns, a0 - a1, 1.0), 0.0)
+    inside = v0 + h * share * (a0 + 0.5 * share * (a1 - a0))
+    velocity = np.abs(np.concatenate([v0, v1, inside])).max(axis=0)
+    return velocity, np.abs(np.concatenate([a0, a1])).max(axis=0)
+
+
+def waviness(courses: dict[tuple[str, bool], list[Course]]) -> list[Figure]:
+    """Joint-space length and direction reversals of what was executed until the arm went in, per trial."""
+    out: list[Figure] = []
+    for (kind, seeded), trials in courses.items():
+        how = f"{kind} {'seeded' if seeded else 'unseeded'}"
+        lengths = [float(np.linalg.norm(np.diff(course.qs, axis=0), axis=1).sum()) for course in trials]
+        turns = [reversals(course.qs) for course in trials]
+        n = len(trials)
+        out.append(Figure("waviness", f"{how}: path length per trial", float(np.mean(lengths)), "rad", of=n))
+        out.append(Figure("waviness", f"{how}: reversals per trial", float(np.mean(turns)), of=n))
+    return out
+
+
+def reversals(qs: Array) -> int:
+    """How often joints turned round, over (n, dof) postures; standing still in between does not count."""
+    count = 0
+    for moved in np.diff(qs, axis=0).T:
+        signs = np.sign(moved[np.abs(moved) > STILL_RAD])
+        count += int((signs[1:] != signs[:-1]).sum())
+    return count
+
+
+def _percent(good: Sequence[bool]) -> float:
+    return 100.0 * float(np.mean(good)) if good else float("nan")

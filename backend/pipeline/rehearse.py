@@ -1,0 +1,67 @@
+"""Rehearse: whether the way in and the lift after it can be done, before they begin or before a grasp is chosen."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from backend.kinematics import Kinematics
+from backend.pipeline.execute import Approach, ApproachRequest, ArmState, plan_approach, plan_lift
+from backend.pipeline.values import Candidate, JointGoal, Refusal
+from backend.pose import Array
+from backend.sim.planning_scene import PlanningScene
+
+LIKELY_CLOSE_S = 0.5
+"""About when after the arrival the fingers have closed and the lift begins."""
+CHECK_EVERY = 4
+"""Knots of the approach between two collision checks, 1/15 s."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """What approaches and lifts of one trial are held against."""
+
+    kinematics: Kinematics
+    scene: PlanningScene
+    velocity_rps: Array
+    """(dof,)."""
+    lift_m: float
+
+    def approach(self, request: ApproachRequest) -> Approach | Refusal:
+        """A way in that is free and that the lift can follow, or why there is none."""
+        approach = plan_approach(self.kinematics, self.velocity_rps, request)
+        return approach if isinstance(approach, Refusal) else self.unsafe(approach) or approach
+
+    def from_the_first_that_works(
+        self,
+        picked: tuple[Candidate, ...],
+        trusted: int | None,
+        request: Callable[[Candidate, JointGoal], ApproachRequest],
+    ) -> tuple[tuple[Candidate, ...], dict[int, str]]:
+        """The picked grasps from the first on that passes, on a branch that does, and why those before it do not.
+
+        ``trusted`` has passed a moment ago. When none passes, all are given back: there is time until then.
+        """
+        refused: dict[int, str] = {}
+        for i, candidate in enumerate(picked):
+            if candidate.index == trusted:
+                return picked[i:], refused
+            for k, goal in enumerate(candidate.goals):
+                approach = self.approach(request(candidate, goal))
+                if not isinstance(approach, Refusal):
+                    return (replace(candidate, goals=candidate.goals[k:]), *picked[i + 1 :]), refused
+                refused.setdefault(candidate.index, f"in rehearsal: {approach.why}")
+        return picked, refused
+
+    def unsafe(self, approach: Approach) -> Refusal | None:
+        """Why the way in, or the lift that follows it, cannot be done; None when both can."""
+        trajectory = approach.trajectory
+        going_in = trajectory.q[trajectory.t_s <= approach.arrive_s + 1e-9][::-CHECK_EVERY]
+        free = self.scene.free_many(going_in, target=False)
+        if not free.all():
+            blocked = going_in[int(free.argmin())]
+            return Refusal(f"approach: {self.scene.why_blocked(blocked, target=False)}")
+        for lift_s in (approach.arrive_s + LIKELY_CLOSE_S, trajectory.end_s - 1e-3):
+            arm = ArmState(*trajectory.sample(lift_s), lift_s)
+            lift = plan_lift(self.kinematics, self.velocity_rps, arm, self.lift_m)
+            if isinstance(lift, Refusal):
+                return lift
+        return None

@@ -1,0 +1,98 @@
+"""The bench of motion: its measures against plain oracles, and that all of it runs."""
+
+import itertools
+import json
+import math
+
+import numpy as np
+import pytest
+
+from backend.bench.course import Course, run_course, scene_of, show
+from backend.bench.figure import Figure
+from backend.bench.motion import peaks, reversals
+from backend.bench.seeding import deviation_rad, hard_problems
+from backend.bench.truth import Truth
+from backend.cli import main
+from backend.pose import Pose
+from backend.scenario import load_scenario, with_overrides
+from backend.trajectory import Trajectory
+
+
+@pytest.fixture(scope="module")
+def course() -> Course:
+    name = "ur5_linear_slab"
+    return run_course(name, with_overrides(load_scenario(name), ["timing.timeout_s=2"]), 0)
+
+
+def test_a_figure_meets_its_target_or_misses_it():
+    assert Figure("a", "b", 5.0, sense="<=", target=5.0).met and Figure("a", "b", 5.0, sense=">=", target=5.0).met
+    assert Figure("a", "b", 5.1, sense="<=", target=5.0).met is False
+    assert Figure("a", "b", math.nan, sense=">=", target=5.0).met is False
+    assert Figure("a", "b", 5.0).met is None
+    assert "MISSED" in Figure("a", "b", 5.1, "ms", "<=", 5.0, 3).line()
+
+
+def test_peaks_are_those_of_the_sampled_motion():
+    rng = np.random.default_rng(1)
+    t_s = np.cumsum(rng.uniform(0.05, 0.2, 12))
+    trajectory = Trajectory(t_s, rng.normal(size=(12, 3)), rng.normal(size=(12, 3)))
+    until_s = float(t_s[-1]) - 1e-6
+    times = np.concatenate([np.linspace(a + 1e-9, b - 1e-9, 2001) for a, b in itertools.pairwise(t_s)])
+    qd = np.array([trajectory.sample(float(t))[1] for t in times])
+    velocity, acceleration = peaks(trajectory, until_s)
+    assert np.allclose(velocity, np.abs(qd).max(axis=0), rtol=1e-4)
+    rates = np.concatenate(
+        [np.diff(part, axis=0) / (dt / 2000) for part, dt in zip(np.split(qd, len(t_s) - 1), np.diff(t_s), strict=True)]
+    )
+    assert np.allclose(acceleration, np.abs(rates).max(axis=0), rtol=5e-3)
+
+
+def test_reversals_are_the_turns_of_a_wave():
+    phase = np.linspace(0.0, 6.0 * np.pi, 600)
+    still = np.zeros(600)
+    assert reversals(np.column_stack([np.sin(phase), still, phase])) == 6
+    assert reversals(np.column_stack([still, 1e-5 * np.sin(50.0 * phase)])) == 0
+
+
+def test_deviation_is_the_farthest_point_of_the_path():
+    reference = np.array([[0.0, 0.0], [1.0, 0.0]])
+    assert deviation_rad(reference, reference) == 0.0
+    assert deviation_rad(np.array([[0.0, 0.0], [0.5, 0.3], [1.0, 0.0]]), reference) == pytest.approx(0.3)
+    assert deviation_rad(np.array([[0.0, 0.0], [2.0, 0.0]]), reference) == pytest.approx(1.0)
+
+
+def test_a_course_is_what_its_trial_planned(course: Course):
+    again = run_course(course.name, with_overrides(load_scenario(course.name), ["timing.timeout_s=2"]), 0)
+    assert np.array_equal(course.qs, again.qs) and len(course.problems) == len(again.problems) > 10
+    planned = [cycle.plan for cycle in course.cycles if cycle.plan is not None]
+    starts = [problem.request.q_start for problem in course.problems]
+    assert all(any(np.array_equal(plan.path.waypoints[0], q) for q in starts) for plan in planned)
+    scene = scene_of(course)
+    for problem in hard_problems(course, 4):
+        request = show(scene, problem)
+        assert scene.is_free(request.q_start)
+        assert not any(scene.edge_free(request.q_start, goal) for goal in request.goals)
+
+
+def test_the_truth_feels_what_it_touches(course: Course):
+    q = course.qs[0]
+    with Truth(course) as truth:
+        assert truth.clearance_m(q, 0.03) == 0.03 and truth.self_clearance_m(q) == 0.0
+        tcp = truth.kinematics.fk(q)
+        truth.move_target(Pose.of(tuple(tcp[:3, 3] - 0.1 * tcp[:3, 2])))
+        assert truth.clearance_m(q, 0.03) < -0.001
+        low = q.copy()
+        low[1] = 0.5
+        assert truth.clearance_m(low, 0.03) < 0.0
+
+
+@pytest.mark.timeout(400)
+def test_all_of_it_runs(capsys: pytest.CaptureFixture[str]):
+    assert main(["bench", "motion", "--quick", "--json"]) == 0
+    table = json.loads(capsys.readouterr().out)
+    parts = {figure["part"] for figure in table["motion"]}
+    assert table["machine"] and table["quick"]
+    assert parts == {"cycle", "seeding", "success", "retiming", "limits", "inverse kinematics", "truth", "waviness"}
+    for figure in table["motion"]:
+        if figure["part"] in ("limits", "retiming", "inverse kinematics") and figure["unit"] != "us":
+            assert figure["met"] in (True, None), figure

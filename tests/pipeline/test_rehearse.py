@@ -1,0 +1,92 @@
+"""Rehearsals: a way in that passes arrives where it should, and what is in its way is named."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from backend.kinematics import load_kinematics
+from backend.knowledge.grasps import load_grasps
+from backend.methods.method import IkFilter
+from backend.objects import load_object
+from backend.pipeline.convert import convert
+from backend.pipeline.execute import Approach, ApproachRequest, ArmState
+from backend.pipeline.filter import shortlist
+from backend.pipeline.pick import pick_nearest
+from backend.pipeline.rehearse import Rehearsal
+from backend.pipeline.values import Candidate, JointGoal, Refusal
+from backend.pose import Array, Pose
+from backend.sim.planning_scene import PlanningScene
+from tests.pipeline.contexts import context_of
+
+BACKOFF_M = 0.075
+SPEED_MPS = np.array([0.0, 0.03, 0.0])
+START = Pose.from_xyz_yaw((0.5, 0.0, 0.02), 0.4)
+KINEMATICS = load_kinematics("ur5_robotiq")
+
+
+def object_at(t_s: Array) -> Array:
+    Ts = np.repeat(START.matrix[None], len(t_s), axis=0)
+    Ts[:, :3, 3] += t_s[:, None] * SPEED_MPS
+    return Ts
+
+
+def request(candidate: Candidate, goal: JointGoal) -> ApproachRequest:
+    arm = ArmState(goal.q_pregrasp, np.zeros(6), 0.0)
+    return ApproachRequest(arm, object_at, candidate.T_object_grasp, BACKOFF_M, slide_s=1.0, ride_s=1.0)
+
+
+def rehearsal(scene: PlanningScene, fastest_rps: float = 1.0) -> Rehearsal:
+    return Rehearsal(KINEMATICS, scene, np.full(6, fastest_rps), lift_m=0.1)
+
+
+@pytest.fixture(scope="module")
+def picked() -> tuple[Candidate, ...]:
+    candidates = convert(load_grasps("ur5_robotiq", "cube"), START, BACKOFF_M)
+    context = context_of(None, frozenset())
+    found, _ = pick_nearest(shortlist(IkFilter(), candidates, context), context)
+    assert len(found) > 2
+    return found
+
+
+def test_a_way_in_ends_on_the_moving_object(picked: tuple[Candidate, ...]):
+    answers = [rehearsal(PlanningScene(KINEMATICS)).approach(request(c, c.goals[0])) for c in picked]
+    passed = [(c, a) for c, a in zip(picked, answers, strict=True) if isinstance(a, Approach)]
+    assert passed
+    for candidate, approach in passed:
+        q, _ = approach.trajectory.sample(approach.arrive_s)
+        grasp = object_at(np.array([approach.arrive_s]))[0] @ candidate.T_object_grasp.matrix
+        np.testing.assert_allclose(KINEMATICS.fk(q), grasp, atol=2e-3)
+
+
+def test_an_obstacle_in_the_way_is_named(picked: tuple[Candidate, ...]):
+    scene = PlanningScene(KINEMATICS)
+    scene.add_object(load_object("sugar_box"), START)
+    answer = rehearsal(scene).approach(request(picked[0], picked[0].goals[0]))
+    assert isinstance(answer, Refusal)
+    assert answer.why.startswith("approach: ") and "sugar_box" in answer.why
+
+
+def test_what_fails_gives_way_to_what_passes(picked: tuple[Candidate, ...]):
+    works = next(
+        c for c in picked if isinstance(rehearsal(PlanningScene(KINEMATICS)).approach(request(c, c.goals[0])), Approach)
+    )
+    away = replace(works, index=-1, T_object_grasp=Pose.of((0.0, 0.0, 3.0)))
+    left, refused = rehearsal(PlanningScene(KINEMATICS)).from_the_first_that_works((away, works), None, request)
+    assert [c.index for c in left] == [works.index]
+    assert len(left[0].goals) >= 1
+    assert set(refused) == {-1} and refused[-1].startswith("in rehearsal: ")
+
+
+def test_when_none_passes_all_are_left(picked: tuple[Candidate, ...]):
+    left, refused = rehearsal(PlanningScene(KINEMATICS), 1e-4).from_the_first_that_works(picked, None, request)
+    assert left == picked
+    assert set(refused) == {c.index for c in picked}
+    assert all("too slow" in why for why in refused.values())
+
+
+def test_what_has_passed_a_moment_ago_is_trusted(picked: tuple[Candidate, ...]):
+    slow = rehearsal(PlanningScene(KINEMATICS), 1e-4)
+    left, refused = slow.from_the_first_that_works(picked, picked[1].index, request)
+    assert left == picked[1:]
+    assert set(refused) == {picked[0].index}
