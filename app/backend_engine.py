@@ -6,12 +6,13 @@ import itertools
 
 import numpy as np
 
-from app.commands import OverrideValue, Restart
-from app.engine import Running, TrialInfo
+from app.commands import Restart
+from app.engine import Running, TrialInfo, info_of
+from app.wanted import read_scenario, scenario_of
 from backend.methods import METHODS
 from backend.objects import object_names
 from backend.pose import Array
-from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
+from backend.scenario import scenario_names
 
 TRACE_STEP_RAD = 0.08
 """Joint distance between the drawn points of a path."""
@@ -30,37 +31,20 @@ class BackendEngine:
         return tuple(METHODS)
 
     def describe(self, restart: Restart) -> TrialInfo:
-        scenario = _scenario(restart)
-        speed_mps: float | None = getattr(scenario.task, "speed_mps", None)
-        return TrialInfo(
-            scenario=restart.scenario,
-            title=scenario.title,
-            robot=scenario.robot,
-            object=scenario.object,
-            task=scenario.task.kind,
-            method=scenario.method.name,
-            speed_path=None if speed_mps is None else "task.speed_mps",
-            speed_mps=speed_mps,
-        )
+        return info_of(restart.scenario, scenario_of(restart))
+
+    def seed_in(self, name: str, text: str) -> int:
+        return read_scenario(text, name).seed
 
     def make_episode(self, restart: Restart) -> Running:
-        from backend.episode import Episode
+        from app.live_episode import LiveEpisode
 
-        return Episode(_scenario(restart), restart.seed)
+        return LiveEpisode(scenario_of(restart), restart.seed)
 
     def tcp_trace(self, robot: str, waypoints: Array) -> Array:
         from backend.kinematics import load_kinematics
 
         return load_kinematics(robot).fk_many(_densified(waypoints))[:, :3, 3]
-
-
-def _scenario(restart: Restart) -> Scenario:
-    overrides = [f"{path}={_written(value)}" for path, value in restart.overrides.items()]
-    return with_overrides(load_scenario(restart.scenario), overrides)
-
-
-def _written(value: OverrideValue) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _densified(waypoints: Array) -> Array:

@@ -9,6 +9,7 @@ from typing import Protocol
 from app.commands import Restart
 from backend.events import WorldEvent
 from backend.pose import Array
+from backend.scenario import Scenario
 from backend.snapshot import SceneDescription, Snapshot
 
 
@@ -26,6 +27,34 @@ class TrialInfo:
     """Path of the scenario value that sets the belt's speed; None where the task has no single one."""
     speed_mps: float | None
     """Belt speed at a live factor of 1; None where the task has no single one."""
+    values: Scenario
+    """Everything that is set, edits included."""
+
+
+def info_of(name: str, values: Scenario) -> TrialInfo:
+    """What a scenario, called ``name``, would run."""
+    speed_mps: float | None = getattr(values.task, "speed_mps", None)
+    return TrialInfo(
+        scenario=name,
+        title=values.title,
+        robot=values.robot,
+        object=values.object,
+        task=values.task.kind,
+        method=values.method.name,
+        speed_path=None if speed_mps is None else "task.speed_mps",
+        speed_mps=speed_mps,
+        values=values,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class Keepsake:
+    """What is left of a trial that has ended, for download."""
+
+    record: dict[str, object]
+    """Its row."""
+    trace: bytes
+    """A file for ``python -m backend replay``."""
 
 
 class Running(Protocol):
@@ -37,6 +66,10 @@ class Running(Protocol):
     def run(self) -> Iterator[Snapshot]: ...
 
     def apply(self, event: WorldEvent) -> None: ...
+
+    def keepsake(self) -> Keepsake:
+        """Only of an episode that has ended."""
+        ...
 
     def close(self) -> None: ...
 
@@ -52,6 +85,10 @@ class Engine(Protocol):
 
     def describe(self, restart: Restart) -> TrialInfo:
         """Raises ``GraspingError`` when it cannot be run, saying why."""
+        ...
+
+    def seed_in(self, name: str, text: str) -> int:
+        """The seed of a scenario file with this text; raises ``InvalidInputError`` with every mistake in it."""
         ...
 
     def make_episode(self, restart: Restart) -> Running: ...

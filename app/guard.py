@@ -42,9 +42,9 @@ class Guard:
             return _refusal(403, "This page was asked for by another site.")
         if self._token is None or self._is_known(headers):
             return None
-        query = dict(parse_qsl(scope["query_string"].decode("latin-1")))
-        if scope["type"] == "http" and self._fits(query.pop("token", "")):
-            return self._welcome(scope["path"], query)
+        query = parse_qsl(scope["query_string"].decode("latin-1"))
+        if scope["type"] == "http" and self._fits(dict(query).get("token", "")):
+            return self._welcome(scope["path"], [(name, value) for name, value in query if name != "token"])
         return _refusal(401, "A token is needed: open this page once with ?token=... behind its address.")
 
     def _is_known(self, headers: Headers) -> bool:
@@ -54,7 +54,7 @@ class Guard:
     def _fits(self, offered: str) -> bool:
         return hmac.compare_digest(offered.encode(), (self._token or "").encode())
 
-    def _welcome(self, path: str, query: dict[str, str]) -> Response:
+    def _welcome(self, path: str, query: list[tuple[str, str]]) -> Response:
         """Put the token into a cookie and take it out of the address bar."""
         answer = RedirectResponse(path + ("?" + urlencode(query) if query else ""), status_code=303)
         answer.set_cookie(COOKIE, self._token or "", httponly=True, samesite="strict")

@@ -7,6 +7,7 @@ from typing import cast
 
 import msgspec
 
+LARGEST_UPLOAD_BYTES = 256 * 1024
 ALLOWED = frozenset(
     {
         "ViewerCameraMessage",
@@ -21,6 +22,9 @@ ALLOWED = frozenset(
         "TransformControlsDragStartMessage",
         "TransformControlsDragEndMessage",
         "GetRenderResponseMessage",
+        "LocalStorageGetItemResponseMessage",
+        "FileTransferStartUpload",
+        "FileTransferPart",
     }
 )
 
@@ -39,7 +43,27 @@ def is_allowed(raw: bytes) -> bool:
     if fields["type"] == "GuiUpdateMessage":
         updates = fields.get("updates")
         return isinstance(updates, dict) and set(cast("dict[object, object]", updates)) == {"value"}
-    return True
+    return _is_small(fields)
+
+
+def _is_small(fields: dict[object, object]) -> bool:
+    """Whether an upload is no larger than a scenario file may be, and what is stored no longer than we store."""
+    match fields:
+        case {
+            "type": "FileTransferStartUpload",
+            "part_count": int(parts),
+            "size_bytes": int(size),
+            "filename": str(name),
+        }:
+            return 0 <= parts <= 1 and 0 <= size <= LARGEST_UPLOAD_BYTES and len(name) <= 200
+        case {"type": "FileTransferPart", "content": bytes(content), "part_index": 0}:
+            return len(content) <= LARGEST_UPLOAD_BYTES
+        case {"type": "LocalStorageGetItemResponseMessage", "value": str(value)}:
+            return len(value) <= 200
+        case {"type": "FileTransferStartUpload" | "FileTransferPart"}:
+            return False
+        case _:
+            return True
 
 
 def _is_finite(value: object) -> bool:

@@ -10,10 +10,12 @@ from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
 
 from app.api import api_router
+from app.api.share import open_router
 from app.guard import Guard
 from app.proxy import viewer_router
-from app.session import Session, SimulationDownError
+from app.session import Session
 from app.settings import Settings, is_loopback
+from app.state import SimulationDownError
 from backend.errors import GraspingError, NotFoundError
 
 TITLE = "Dynamic grasping"
@@ -27,6 +29,7 @@ def create_app(session: Session, settings: Settings, viser_port: int) -> FastAPI
     app.add_exception_handler(GraspingError, _explain_error)
     app.add_exception_handler(RequestValidationError, _explain_validation)
     app.include_router(api_router(session))
+    app.include_router(open_router(session))
     app.include_router(viewer_router(viser_port, TITLE, settings.max_clients))
     app.mount("/assets", StaticFiles(directory=ASSETS), name="assets")
     return app

@@ -117,8 +117,11 @@ async def _first_of(*directions: Coroutine[None, None, None]) -> None:
 
 
 def _page(title: str) -> bytes:
-    """viser's single-file client under our title and icon."""
+    """viser's single-file client under our title and icon, with our script beside it."""
     path = Path(viser.__file__).parent / "client" / "build" / "index.html"
     text = path.read_text(encoding="utf-8")
-    head = f'<title>{html.escape(title)}</title><link rel="icon" type="image/svg+xml" href="/assets/icon.svg">'
+    head = (
+        f'<title>{html.escape(title)}</title><link rel="icon" type="image/svg+xml" href="/assets/icon.svg">'
+        '<script defer src="/assets/page.js"></script>'
+    )
     return text.replace("<title>Viser</title>", head).encode()

@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from app.commands import Restart
+from app.engine import Keepsake
+from backend.events import TimedEvent
+from backend.pipeline.values import CycleResult
 from backend.pose import Array
 from backend.snapshot import SceneDescription, Snapshot
+
+NO_POSES: Array = np.zeros((0, 4, 4))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +47,23 @@ class Progress:
 
 
 @dataclass(frozen=True)
+class Edited:
+    """A live edit has been made."""
+
+    run: int
+    events: tuple[TimedEvent, ...]
+    """All of this trial, in their order."""
+
+
+@dataclass(frozen=True)
+class Ended:
+    """A trial is over."""
+
+    run: int
+    keepsake: Keepsake
+
+
+@dataclass(frozen=True)
 class Pace:
     """How time passes."""
 
@@ -65,4 +89,16 @@ class Crashed:
     traceback: str
 
 
-Report = Started | Progress | Pace | Refused | Crashed
+Report = Started | Progress | Edited | Ended | Pace | Refused | Crashed
+
+
+def slim(cycle: CycleResult) -> CycleResult:
+    """Without what is heavy and what nobody outside looks at: IK branches, and where each grasp is in the world.
+
+    The latter is ``T_world_object @ Ts_object_grasp``, which stay.
+    """
+    short = cycle.shortlist
+    if short is None:
+        return cycle
+    candidates = replace(short.candidates, Ts_world_grasp=NO_POSES, Ts_world_pregrasp=NO_POSES)
+    return replace(cycle, shortlist=replace(short, candidates=candidates, branches={}))

@@ -29,7 +29,7 @@ def serve(settings: Settings, listener: socket.socket, engine: Engine | None = N
     session = Session(engine or BackendEngine(), first, settings.paused)
     session.start()
     try:
-        dashboard = Dashboard(session, settings.auto_next, settings.low_fx)
+        dashboard = Dashboard(session, settings.auto_next, settings.low_fx, settings.tour)
         dashboard.start()
         try:
             _serve_web(session, dashboard, settings, listener)

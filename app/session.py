@@ -4,47 +4,20 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing
-import signal
 import threading
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
-from typing import Any, Literal
+from typing import Any
 
-from app.commands import Command, Restart, SetPaused
-from app.engine import Engine, TrialInfo
-from app.reports import Crashed, Pace, Progress, Refused, Report, Started, Traces
+from app.commands import ApplyEvent, Command, GoOn, LookBack, Restart, SetPaused, StepOnce
+from app.engine import Engine
+from app.history import History, Moment
+from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started
+from app.state import SessionState, SimulationDownError, cause_of_end
 from app.worker import run_process
-from backend.errors import GraspingError
+from backend.errors import InvalidInputError
 from backend.snapshot import Snapshot
-
-Status = Literal["starting", "running", "crashed"]
-
-
-class SimulationDownError(GraspingError):
-    """A command for a simulation process that has crashed."""
-
-
-@dataclass(frozen=True, eq=False)
-class SessionState:
-    """Everything the page and the API may know, at one moment."""
-
-    status: Status
-    info: TrialInfo
-    """What was asked for last."""
-    restart: Restart
-    """The command that asked for it."""
-    loading: bool
-    """A new episode was asked for and has not begun."""
-    pace: Pace
-    started: Started | None = None
-    snapshot: Snapshot | None = None
-    """Newest tick of the running episode; its ``cycle`` is filled in."""
-    traces: Traces | None = None
-    """Of the newest cycle."""
-    crash: Crashed | None = None
-    refusals: tuple[int, str] = (0, "")
-    """How many commands were refused so far, and what was said to the last."""
 
 
 class Session:
@@ -59,6 +32,8 @@ class Session:
         self._link: Connection | None = None
         self._reader: threading.Thread | None = None
         self._ending = False
+        self.history = History()
+        self._continued: Restart | None = None
         pace = Pace(paused, 1.0, 0.0)
         self._state = SessionState("starting", engine.describe(first), first, loading=True, pace=pace)
 
@@ -96,12 +71,47 @@ class Session:
         Raises ``GraspingError`` when the restart cannot be run, ``SimulationDownError`` when nobody is there
         to obey.
         """
-        if isinstance(command, Restart):
-            info = self.engine.describe(command)
-            self._change(info=info, restart=command, loading=True)
-            if self._state.status == "crashed":
-                self._revive()
+        match command:
+            case LookBack(t_s=t_s):
+                self._look_back(t_s)
                 return
+            case GoOn():
+                self._go_on()
+                return
+            case Restart():
+                info = self.engine.describe(command)
+                self._change(info=info, restart=command, loading=True)
+                if command is not self._continued:
+                    self._change(looked_at=None)
+                if self._state.status == "crashed":
+                    self._revive()
+                    return
+            case ApplyEvent() if self._state.looked_at is not None:
+                raise InvalidInputError("The past cannot be edited: go on from here first, or go back to the newest.")
+            case StepOnce() | SetPaused(paused=False):
+                self._change(looked_at=None)
+            case _:
+                pass
+        self._pass_on(command)
+
+    def _look_back(self, t_s: float | None) -> None:
+        moment = None if t_s is None else self.history.at(t_s)
+        if t_s is not None and moment is None:
+            raise InvalidInputError("There is nothing to look back at yet.")
+        if moment is not None and moment.snapshot is self._state.snapshot:
+            moment = None
+        if t_s is not None and not self._state.pace.paused:
+            self._change(pace=replace(self._state.pace, paused=True))
+            self._pass_on(SetPaused(paused=True))
+        self._change(looked_at=moment)
+
+    def _go_on(self) -> None:
+        """Repeat the trial up to the moment looked at, and play on."""
+        self._continued = self._state.gone_on_with()
+        self.send(self._continued)
+        self._pass_on(SetPaused(paused=False))
+
+    def _pass_on(self, command: Command) -> None:
         if self._state.status == "crashed" or self._link is None:
             raise SimulationDownError("The simulation process is not running: restart it first.")
         if isinstance(command, SetPaused):
@@ -128,7 +138,7 @@ class Session:
 
     def _revive(self) -> None:
         self.close()
-        self._change(status="starting", crash=None, started=None, snapshot=None, traces=None)
+        self._change(status="starting", crash=None, started=None, snapshot=None, traces=None, looked_at=None)
         self.start()
 
     def _watch(self, link: Connection, process: SpawnProcess) -> None:
@@ -144,21 +154,28 @@ class Session:
         except (EOFError, OSError):
             process.join()
         if not self._ending:
-            crash = last_words or Crashed(_cause_of_end(process.exitcode), "")
+            crash = last_words or Crashed(cause_of_end(process.exitcode), "")
             self._change(status="crashed", crash=crash, loading=False)
 
     def _take_in(self, report: Report) -> None:
         match report:
             case Started():
+                self._begin_history(report.restart)
                 self._change(
                     status="running",
                     started=report,
                     snapshot=None,
                     traces=None,
-                    loading=self._is_stale(report),
+                    events=report.restart.events,
+                    keepsake=None,
+                    loading=report.restart != self._state.restart,  # something else was asked for since
                 )
             case Progress():
                 self._take_in_progress(report)
+            case Edited(events=events):
+                self._change(events=events)
+            case Ended(keepsake=keepsake):
+                self._change(keepsake=keepsake)
             case Pace():
                 self._change(pace=report)
             case Refused(text=text):
@@ -166,24 +183,24 @@ class Session:
             case Crashed():
                 pass
 
-    def _is_stale(self, started: Started) -> bool:
-        """Whether something else has been asked for since."""
-        return started.restart != self._state.restart
-
     def _take_in_progress(self, report: Progress) -> None:
         snapshot, old = report.snapshot, self._state.snapshot
         if snapshot.cycle is None and old is not None and old.cycle is not None:
             snapshot = replace(snapshot, cycle=old.cycle)
-        self._change(snapshot=snapshot, traces=report.traces or self._state.traces)
+        traces = report.traces or self._state.traces
+        self.history.add(Moment(snapshot, traces))
+        looked_at = None if old is None else self._state.looked_at
+        self._change(snapshot=snapshot, traces=traces, looked_at=looked_at)
+
+    def _begin_history(self, restart: Restart) -> None:
+        """What was before the moment that is gone on from stays, since it comes out the same again."""
+        if restart == self._continued:
+            self.history.cut(restart.from_tick - 1)
+        else:
+            self.history.clear()
+            self._continued = None
 
     def _change(self, **fields: Any) -> None:
         with self._lock:
             self._state = replace(self._state, **fields)
             self._lock.notify_all()
-
-
-def _cause_of_end(exit_code: int | None) -> str:
-    if exit_code is not None and exit_code < 0:
-        name = signal.Signals(-exit_code).name
-        return f"The simulation process was ended by {name}: killed from outside or crashed natively."
-    return f"The simulation process ended by itself with exit code {exit_code}."

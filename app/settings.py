@@ -32,6 +32,8 @@ class Settings(Config):
     """Go on with the next seed some seconds after an outcome."""
     low_fx: bool = True
     """No shadows and no environment light: quick without a graphics card."""
+    tour: bool = True
+    """Show a short tour to whoever opens the page for the first time."""
     max_clients: Annotated[int, Field(ge=1, le=64)] = 8
     """Browsers served at the same time."""
 

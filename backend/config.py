@@ -6,9 +6,14 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 
 class Config(BaseModel):
-    """Unknown keys, wrong types, NaN and infinity are refused; instances cannot change."""
+    """Unknown keys, wrong types, NaN and infinity are refused; instances cannot change.
 
-    model_config = ConfigDict(frozen=True, strict=True, extra="forbid", allow_inf_nan=False)
+    What stands below a field in quotes is its description: the page shows it beside the field.
+    """
+
+    model_config = ConfigDict(
+        frozen=True, strict=True, extra="forbid", allow_inf_nan=False, use_attribute_docstrings=True
+    )
 
 
 PositiveFloat = Annotated[float, Field(gt=0.0)]

@@ -112,7 +112,9 @@ class Cycle:
         result = replace(result, ik_calls=ik_calls, effective_s=start.now_s + self._think.refused_s(ik_calls))
         with watch("pick"):
             picked, refused = pick_nearest(short, context)
-        result = replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
+        ways_rad = {candidate.index: candidate.joint_distance_rad for candidate in picked}
+        short = replace(short, rejected={**short.rejected, **refused}, joint_distance_rad=ways_rad)
+        result = replace(result, shortlist=short)
         if not picked:
             return replace(result, refused_by="pick", why=next(iter(refused.values())))
         result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))

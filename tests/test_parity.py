@@ -5,6 +5,7 @@ import time
 from collections.abc import Generator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
+from typing import Any
 
 import pytest
 
@@ -33,9 +34,9 @@ class Live:
 
     link: Connection
 
-    def trial(self, name: str, seed: int, *commands: Command) -> Snapshot:
+    def trial(self, name: str, seed: int, *commands: Command, **how: Any) -> Snapshot:
         """The last snapshot of a trial that begins paused, obeys some commands, and then runs to its end."""
-        restart = Restart(scenario=name, seed=seed, overrides=SHORT)
+        restart = Restart(scenario=name, seed=seed, overrides=SHORT, **how)
         for command in (SetPaused(paused=True), restart, *commands, SetPaused(paused=False)):
             self.link.send(command)
         run = None
@@ -79,3 +80,11 @@ def test_a_live_edit_is_the_same_as_a_scheduled_one(live: Live):
     scheduled = headless("mico_linear").model_copy(update={"events": (TimedEvent(tick=10, event=edit),)})
     assert edited.fingerprint == run_trial(scheduled, seed=7).fingerprint
     assert edited.fingerprint != run_trial(headless("mico_linear"), seed=7).fingerprint
+
+
+def test_a_trial_gone_on_with_is_the_trial_it_was(live: Live):
+    edits = (TimedEvent(tick=10, event=SetBeltRate(rate=0.5)),)
+    from_start = live.trial("ur5_linear", 7, events=edits)
+    gone_on_with = live.trial("ur5_linear", 7, events=edits, from_tick=40)
+    scheduled = headless("ur5_linear").model_copy(update={"events": edits})
+    assert gone_on_with.fingerprint == from_start.fingerprint == run_trial(scheduled, seed=7).fingerprint

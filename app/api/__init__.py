@@ -5,12 +5,18 @@ from fastapi import APIRouter
 from app.api.health import health_router
 from app.api.scenarios import scenarios_router
 from app.api.session import session_router
+from app.api.share import share_router
 from app.session import Session
 
 
 def api_router(session: Session) -> APIRouter:
     """Everything under /api/v1."""
     router = APIRouter(prefix="/api/v1")
-    for part in (health_router(session), scenarios_router(session.engine), session_router(session)):
+    for part in (
+        health_router(session),
+        scenarios_router(session.engine),
+        session_router(session),
+        share_router(session),
+    ):
         router.include_router(part)
     return router

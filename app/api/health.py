@@ -3,7 +3,8 @@
 from fastapi import APIRouter
 from pydantic import BaseModel
 
-from app.session import Session, Status
+from app.session import Session
+from app.state import Status
 
 
 class Health(BaseModel):

@@ -1,7 +1,5 @@
 """Which scenarios exist."""
 
-from dataclasses import asdict
-
 from fastapi import APIRouter
 from pydantic import BaseModel
 
@@ -38,7 +36,7 @@ def scenarios_router(engine: Engine) -> APIRouter:
     def scenarios() -> ScenarioList:
         infos = [engine.describe(Restart(scenario=name, overrides={})) for name in engine.scenario_names()]
         return ScenarioList(
-            scenarios=[ScenarioEntry(**asdict(info)) for info in infos],
+            scenarios=[ScenarioEntry.model_validate(info, from_attributes=True) for info in infos],
             objects=list(engine.object_names()),
             methods=list(engine.method_names()),
         )

@@ -8,7 +8,8 @@ from fastapi import APIRouter, Body
 from pydantic import BaseModel
 
 from app.commands import Command
-from app.session import Session, SessionState, Status
+from app.session import Session
+from app.state import SessionState, Status
 from backend.pipeline.values import FailureReason, Phase
 from backend.pose import Pose
 
@@ -52,6 +53,9 @@ class State(BaseModel):
     phase: Phase | None
     cycles: int | None
     belt_rate: float | None
+    looked_at_s: float | None
+    """Simulated time of the earlier moment that the page shows; null when it shows the newest."""
+    live_edits: int
     object_m: Point | None
     """Where the object is, in the world."""
     hand_m: Point | None
@@ -100,6 +104,8 @@ def describe(state: SessionState) -> State:
         phase=snapshot.phase if snapshot else None,
         cycles=snapshot.cycles if snapshot else None,
         belt_rate=snapshot.belt_rate if snapshot else None,
+        looked_at_s=state.looked_at.snapshot.t_s if state.looked_at else None,
+        live_edits=len(state.events),
         object_m=_point(snapshot.T_world_object) if snapshot else None,
         hand_m=_point(snapshot.T_world_tcp) if snapshot else None,
         outcome=OutcomeState(

@@ -7,6 +7,7 @@ import threading
 import numpy as np
 import viser
 
+from app.session import Session
 from backend.pose import Array
 from backend.snapshot import SceneDescription
 
@@ -14,50 +15,79 @@ FIELD_OF_VIEW_RAD = 0.8
 SIDE_RAD = 0.55
 """The view is turned this much from the line between robot and belt, so that neither hides the other."""
 ELEVATION_RAD = 0.55
+LOOK_AT_HEIGHT_M = 0.05
+"""Lower than the arm's middle, so that the belt stays clear of the timeline."""
+PRESETS = ("Overview", "Above", "Side", "Close")
 SAME_PLACE_M = 0.02
 
 
-def viewpoint(scene: SceneDescription) -> tuple[Array, Array]:
-    """Camera position and the point it looks at, (3,) each, in the world."""
+CLOSE_M = 0.75
+"""From the object, for a close look."""
+Viewpoint = tuple[Array, Array]
+"""Camera position and the point it looks at, (3,) each, in the world."""
+
+
+def viewpoint(scene: SceneDescription) -> Viewpoint:
+    """From where arm and belt fill the picture."""
+    return viewpoints(scene)["Overview"]
+
+
+def viewpoints(scene: SceneDescription) -> dict[str, Viewpoint]:
+    """Presets by name; they turn with the belt, which lies anywhere around the robot."""
     path = scene.belt_path_world
     middle = path.mean(axis=0)
-    spread_m = float(np.linalg.norm(path - middle, axis=1).max())
+    spread_m = max(float(np.linalg.norm(path - middle, axis=1).max()), 0.4)
     reach_m = float(np.linalg.norm(middle[:2]))
-    look_at = np.array([0.5 * middle[0], 0.5 * middle[1], 0.22])
-    outward_rad = np.arctan2(middle[1], middle[0]) if reach_m > 0.1 else 0.0
-    turn = outward_rad + SIDE_RAD
-    direction = np.array([np.cos(turn), np.sin(turn), np.tan(ELEVATION_RAD)])
-    direction /= np.linalg.norm(direction)
-    distance_m = 0.9 + 1.1 * max(spread_m, 0.4) + 0.5 * reach_m
-    return look_at + distance_m * direction, look_at
+    outward_rad = float(np.arctan2(middle[1], middle[0])) if reach_m > 0.1 else 0.0
+    center = np.array([0.5 * middle[0], 0.5 * middle[1], LOOK_AT_HEIGHT_M])
+    above = np.array([0.8 * middle[0], 0.8 * middle[1], LOOK_AT_HEIGHT_M])
+    distance_m = 1.0 + 1.15 * spread_m + 0.5 * reach_m
+    return {
+        "Overview": (center + distance_m * _direction(outward_rad + SIDE_RAD, ELEVATION_RAD), center),
+        "Above": (above + 1.1 * distance_m * _direction(outward_rad, np.pi / 2 - 0.01), above),
+        "Side": (center + distance_m * _direction(outward_rad + np.pi / 2, 0.12), center),
+        "Close": (middle + CLOSE_M * _direction(outward_rad + SIDE_RAD, ELEVATION_RAD), middle),
+    }
+
+
+def _direction(turn_rad: float, elevation_rad: float) -> Array:
+    level = np.cos(elevation_rad)
+    return np.array([level * np.cos(turn_rad), level * np.sin(turn_rad), np.sin(elevation_rad)])
 
 
 class CameraKeeper:
     """Gives every trial a good view, but never takes the camera out of somebody's hand."""
 
-    def __init__(self, server: viser.ViserServer) -> None:
+    def __init__(self, server: viser.ViserServer, session: Session) -> None:
         self._server = server
+        self._session = session
         self._lock = threading.Lock()
-        self._preset: tuple[Array, Array] | None = None
+        self._presets: dict[str, Viewpoint] = {}
 
     def begin(self, scene: SceneDescription) -> None:
         """Move every camera that stands where it was put; new browsers start at the new place."""
         with self._lock:
-            before, self._preset = self._preset, viewpoint(scene)
-            position, look_at = self._preset
+            before, self._presets = self._presets, viewpoints(scene)
+            position, look_at = self._presets["Overview"]
         self._server.initial_camera.position = position
         self._server.initial_camera.look_at = look_at
         self._server.initial_camera.fov = FIELD_OF_VIEW_RAD
         for client in self._server.get_clients().values():
-            if before is not None and np.linalg.norm(client.camera.position - before[0]) < SAME_PLACE_M:
-                self.reset(client)
+            for name, (was, _) in before.items():
+                if np.linalg.norm(client.camera.position - was) < SAME_PLACE_M:
+                    self.go(client, name)
+                    break
 
-    def reset(self, client: viser.ClientHandle) -> None:
-        """Back to the view of this trial."""
+    def go(self, client: viser.ClientHandle, name: str = "Overview") -> None:
+        """To a preset of this trial; nothing when there is none of that name."""
         with self._lock:
-            if self._preset is None:
+            if name not in self._presets:
                 return
-            position, look_at = self._preset
+            position, look_at = self._presets[name]
+        snapshot = self._session.state.shown.snapshot
+        if name == "Close" and snapshot is not None:
+            offset = snapshot.T_world_object.xyz_m - look_at
+            position, look_at = position + offset, look_at + offset
         with client.atomic():
             client.camera.position = position
             client.camera.look_at = look_at

@@ -6,47 +6,59 @@ import contextlib
 import io
 import threading
 import time
+from dataclasses import replace
 
 import viser
 
 from app.reports import Started
-from app.session import Session, SessionState
-from app.ui import palette
+from app.session import Session
+from app.state import SessionState
 from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
+from app.ui.help import Guide
 from app.ui.layers import LAYERS, Layer, Picture
-from app.ui.panels import CONTROL_PANELS, STATUS_PANELS, Panel, View
-from app.ui.panels.legend import add_legend
+from app.ui.memory import Memory
+from app.ui.panels import View
+from app.ui.panels.legend import add_legend, add_view_switches
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
+from app.ui.rooms import furnish, light
+from app.ui.start import start_viser
+from app.ui.theme import Theme
+from app.ui.touch import DeskTouch
 from backend.errors import GraspingError
 from backend.pipeline.values import CycleResult
 from backend.snapshot import Snapshot
 
 FRAME_S = 1 / 30
 PANELS_S = 1 / 5
-AMBIENT = 0.9
 
 
 class Dashboard:
     """Owns the viser server and the thread that draws."""
 
-    def __init__(self, session: Session, auto_next: bool, low_fx: bool) -> None:
+    def __init__(self, session: Session, auto_next: bool, low_fx: bool, tour: bool) -> None:
         self._session = session
         self.server = start_viser()
-        self._camera = CameraKeeper(self.server)
+        self._camera = CameraKeeper(self.server, session)
+        memory = Memory()
+        self._theme, self._guide = Theme(memory), Guide(memory, tour)
         self._desk = Desk(self.server, session)
         self._auto_next = AutoNext(auto_next)
         self._tally = Tally()
-        self._layers: list[Layer] = [layer(self.server.scene) for layer in LAYERS]
+        self._layers: list[Layer] = [layer(self.server.scene, DeskTouch(self._desk)) for layer in LAYERS]
         self._stopping = threading.Event()
         self._begun: Started | None = None
         self._drawn: Snapshot | None = None
         self._drawn_cycle: CycleResult | None = None
+        self._drawn_looks = self._desk.looks
         self._panels_due_s = 0.0
         self._refusals = 0
-        self._furnish(low_fx)
+        light(self.server.scene, low_fx)
+        gui = self.server.gui
+        self._panels = furnish(gui, lambda kind: kind(gui, self._desk, self._auto_next), self._add_view_tab)
         self._draw_panels(session.state, 0.0)
+        self.server.on_client_connect(self._welcome)
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
     def start(self) -> None:
@@ -61,42 +73,15 @@ class Dashboard:
         with contextlib.redirect_stdout(io.StringIO()):
             self.server.stop()
 
-    def _furnish(self, low_fx: bool) -> None:
-        scene, gui = self.server.scene, self.server.gui
-        scene.configure_default_lights(True, cast_shadow=not low_fx)
-        if low_fx:
-            scene.configure_environment_map(None)
-            scene.add_light_ambient("/light", intensity=AMBIENT)
-        scene.world_axes.visible = False
-        scene.add_grid(
-            "/floor",
-            6.0,
-            6.0,
-            cell_size=0.1,
-            cell_color=palette.FLOOR_CELL,
-            section_size=0.5,
-            section_color=palette.FLOOR_SECTION,
-            plane_color=palette.FLOOR,
-            plane_opacity=1.0,
-            fade_distance=5.0,
-            fade_strength=1.5,
-            fade_from="origin",
-            position=(0.0, 0.0, -0.001),
-        )
-        gui.configure_theme(brand_color=palette.BRAND, show_logo=False, show_share_button=False)
-        left = gui.add_panel()
-        left.dock_left()
-        left.set_width(270)
-        gui.main_panel.dock_right()
-        gui.main_panel.set_width(290)
-        self._panels: list[Panel] = []
-        for title, panels in STATUS_PANELS:
-            with left.add_tab(title):
-                self._panels += [panel(gui, self._desk, self._auto_next) for panel in panels]
-        self._panels += [panel(gui, self._desk, self._auto_next) for panel in CONTROL_PANELS]
+    def _add_view_tab(self) -> None:
+        gui = self.server.gui
+        add_view_switches(gui, self._camera, self._theme, self._guide)
         add_legend(gui, self._layers)
-        reset = gui.add_command("Reset the view", hotkey="V")
-        reset.on_trigger(lambda event: self._camera.reset(event.client) if event.client else None)
+
+    def _welcome(self, client: viser.ClientHandle) -> None:
+        """In a thread of viser's: the browser is asked what it remembers."""
+        self._theme.welcome(client)
+        self._guide.welcome(client)
 
     def _run(self) -> None:
         seen: Snapshot | None = None
@@ -114,7 +99,7 @@ class Dashboard:
         if not self.server.get_clients():
             return
         with self.server.atomic():
-            self._draw_layers(state)
+            self._draw_layers(state.shown)
             if now_s >= self._panels_due_s:
                 self._panels_due_s = now_s + PANELS_S
                 self._draw_panels(state, now_s)
@@ -132,13 +117,15 @@ class Dashboard:
         snapshot = state.snapshot
         if state.started is None or snapshot is None:
             return
-        if snapshot is self._drawn:
+        looks = self._desk.looks
+        if snapshot is self._drawn and looks == self._drawn_looks:
             return
-        new_cycle = snapshot.cycle is not None and snapshot.cycle is not self._drawn_cycle
-        picture = Picture(state.started.scene, snapshot, state.traces, new_cycle)
+        picture = Picture(state.started.scene, snapshot, state.traces, True, looks)
+        if picture.cycle is self._drawn_cycle and looks == self._drawn_looks:
+            picture = replace(picture, new_cycle=False)
         for layer in self._layers:
             layer.draw(picture)
-        self._drawn, self._drawn_cycle = snapshot, snapshot.cycle
+        self._drawn, self._drawn_cycle, self._drawn_looks = snapshot, picture.cycle, looks
 
     def _draw_panels(self, state: SessionState, now_s: float) -> None:
         self._tally = self._tally.after(state)
@@ -148,7 +135,9 @@ class Dashboard:
         if state.refusals[0] > self._refusals:
             self._refusals = state.refusals[0]
             self._desk.say("Not possible", state.refusals[1], "red")
-        view = View(state, self._tally, remaining_s, self._desk.status_line)
+        view = View(
+            state.shown, state, self._session.history.moments(), self._tally, remaining_s, self._desk.status_line
+        )
         for panel in self._panels:
             panel.show(view)
 
@@ -158,16 +147,3 @@ class Dashboard:
         except GraspingError as error:
             self._auto_next.enabled = False
             self._desk.say("Not possible", str(error), "red")
-
-
-def start_viser() -> viser.ViserServer:
-    """viser on a free port of this machine, unable to open a tunnel to the outside, and silent."""
-    with contextlib.redirect_stdout(io.StringIO()):
-        server = viser.ViserServer(host="127.0.0.1", port=0, label="Dynamic grasping", verbose=False)
-    server.request_share_url = _refuse_to_share
-    return server
-
-
-def _refuse_to_share(verbose: bool = True) -> str | None:
-    """Stands in for viser's own, which lets any client open a public tunnel."""
-    return None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -13,6 +13,7 @@ from pydantic import ValidationError
 
 from app.commands import Command, OverrideValue, Restart
 from app.session import Session
+from app.ui.looks import Looks
 from backend.config import Config, explain
 from backend.errors import GraspingError, InvalidInputError
 
@@ -39,6 +40,8 @@ class Desk:
         self.session = session
         self.status_line = ""
         """The last answer, for the status line."""
+        self.looks = Looks()
+        """Set by wishes only, and so by the dashboard's thread only."""
         self._server = server
         self._lock = threading.Lock()
         self._wishes: dict[str, Wish] = {}
@@ -92,16 +95,24 @@ class Desk:
     ) -> Restart:
         """Restart with what is given changed and the rest as it is; raises ``GraspingError``.
 
-        Another scenario starts from its own file; otherwise ``overrides`` add to those there are.
+        Another scenario starts from its own file; otherwise ``overrides`` add to those there are. With nothing
+        given the trial is the one that was asked for, edits that came with it included; any change drops those.
         """
         now = self.session.state.restart
-        kept = now.overrides if scenario in (None, now.scenario) else {}
-        command = checked(
-            Restart,
-            scenario=now.scenario if scenario is None else scenario,
+        if scenario is not None and scenario != now.scenario:
+            return self.begin(scenario=scenario, seed=now.seed if seed is None else seed)
+        same = seed is None and not overrides
+        return self.begin(
+            scenario=now.scenario,
+            file=now.file,
             seed=now.seed if seed is None else seed,
-            overrides={**kept, **(overrides or {})},
+            overrides=merged(now.overrides, overrides or {}),
+            events=now.events if same else (),
         )
+
+    def begin(self, **values: Any) -> Restart:
+        """Begin a trial from nothing but what is given; raises ``GraspingError``."""
+        command = checked(Restart, **values)
         self.send(command)
         return command
 
@@ -122,6 +133,16 @@ class Desk:
         if answer is not None:
             self.status_line = answer
             self.say("Done", answer, "blue")
+
+
+def merged(kept: Mapping[str, OverrideValue], new: Mapping[str, OverrideValue]) -> dict[str, OverrideValue]:
+    """Overrides in the order they act: a new kind or method takes the place of what was set below the old one."""
+    out = dict(kept)
+    for path, value in new.items():
+        below = path.removesuffix("kind") if path.endswith(".kind") else path + "."
+        out = {name: was for name, was in out.items() if name != path and not name.startswith(below)}
+        out[path] = value
+    return out
 
 
 def checked(kind: type[Any], **values: Any) -> Any:

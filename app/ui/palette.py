@@ -1,11 +1,17 @@
 """Colours of the page, the same in the scene, in the panels and in the legend."""
 
+from backend.pipeline.values import Phase
+
 Rgb = tuple[int, int, int]
 
 BRAND: Rgb = (24, 100, 171)
+LINK: Rgb = (34, 139, 230)
 FLOOR: Rgb = (246, 247, 249)
 FLOOR_CELL: Rgb = (228, 231, 235)
 FLOOR_SECTION: Rgb = (206, 212, 218)
+DARK_FLOOR: Rgb = (34, 37, 42)
+DARK_FLOOR_CELL: Rgb = (46, 50, 56)
+DARK_FLOOR_SECTION: Rgb = (64, 69, 77)
 BELT: Rgb = (104, 114, 128)
 BELT_ARROW: Rgb = (255, 255, 255)
 TRAY: Rgb = (52, 60, 74)
@@ -21,6 +27,16 @@ RANKS: tuple[Rgb, ...] = ((43, 138, 62), (130, 201, 30), (252, 196, 25), (253, 1
 GOOD: Rgb = (43, 138, 62)
 BAD: Rgb = (201, 42, 42)
 QUIET: Rgb = (134, 142, 150)
+CYCLE: Rgb = (77, 171, 247)
+PHASES: dict[Phase, Rgb] = {
+    "watch": (134, 142, 150),
+    "move": (28, 126, 214),
+    "approach": (230, 119, 0),
+    "close": (214, 51, 108),
+    "lift": (55, 178, 77),
+    "hold": (43, 138, 62),
+    "done": (43, 138, 62),
+}
 
 
 def css(color: Rgb) -> str:
@@ -30,8 +46,12 @@ def css(color: Rgb) -> str:
 
 def rank_color(rank: int, count: int) -> Rgb:
     """Between the first and last of ``RANKS`` for rank 0 .. count - 1."""
-    place = rank / max(count - 1, 1) * (len(RANKS) - 1)
-    i = min(int(place), len(RANKS) - 2)
-    share = place - i
-    red, green, blue = (round(a + (b - a) * share) for a, b in zip(RANKS[i], RANKS[i + 1], strict=True))
+    return blend(RANKS, rank / max(count - 1, 1))
+
+
+def blend(colors: tuple[Rgb, ...], share: float) -> Rgb:
+    """The colour at ``share`` in 0..1 of the way through ``colors``."""
+    place = share * (len(colors) - 1)
+    i = min(int(place), len(colors) - 2)
+    red, green, blue = (round(a + (b - a) * (place - i)) for a, b in zip(colors[i], colors[i + 1], strict=True))
     return red, green, blue

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from app.session import SessionState
+from app.state import SessionState
 
 WAIT_S = 4.0
 """How long an outcome stays on the page."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from app.ui.palette import BAD, GOOD, QUIET, Rgb, css
+from app.ui.palette import BAD, BRAND, GOOD, LINK, QUIET, Rgb, css
 from backend.pipeline.values import FailureReason, Outcome, Phase
 
 PHASES: dict[Phase, str] = {
@@ -64,15 +64,15 @@ def facts(rows: list[tuple[str, str]]) -> str:
     return f'<table style="width:calc(100% - 24px);margin:2px 12px;font-size:0.85em">{cells}</table>'
 
 
-def bars(rows: list[tuple[str, float, str]], color: Rgb) -> str:
+def bars(rows: list[tuple[str, float, str]], color: Rgb, name_px: int = 56, figure_px: int = 58) -> str:
     """HTML of horizontal bars: name, share in 0..1, figure."""
     lines = "".join(
         f'<div style="display:flex;align-items:center;gap:6px;font-size:0.8em">'
-        f'<span style="width:56px;color:{css(QUIET)}">{escape(name)}</span>'
+        f'<span style="width:{name_px}px;color:{css(QUIET)}">{escape(name)}</span>'
         f'<span style="flex:1;background:rgba(134,142,150,0.18);border-radius:2px;height:8px">'
         f'<span style="display:block;width:{100 * share:.0f}%;background:{css(color)};'
         f'height:8px;border-radius:2px"></span></span>'
-        f'<span style="width:58px;text-align:right;font-variant-numeric:tabular-nums">{escape(figure)}</span>'
+        f'<span style="width:{figure_px}px;text-align:right;font-variant-numeric:tabular-nums">{escape(figure)}</span>'
         "</div>"
         for name, share, figure in rows
     )
@@ -125,7 +125,23 @@ def heading(text: str) -> str:
 
 def note(text: str) -> str:
     """HTML of a quiet line."""
-    style = f"margin:2px 12px 6px;font-size:0.8em;color:{css(QUIET)};min-height:2.4em"
+    style = f"margin:2px 12px 6px;font-size:0.8em;color:{css(QUIET)};overflow-wrap:anywhere"
+    return f'<div style="{style}">{escape(text)}</div>'
+
+
+def link_button(text: str, address: str, copy: bool = False) -> str:
+    """HTML of a link that looks like a button; with ``copy`` a click copies the whole address instead."""
+    what = "data-copy" if copy else "download"
+    style = (
+        f"display:block;margin:6px 12px;padding:5px 10px;border-radius:4px;border:1px solid {css(BRAND)};"
+        f"color:{css(LINK)};text-align:center;text-decoration:none;font-size:0.85em"
+    )
+    return f'<a href="{escape(address)}" {what} style="{style}">{escape(text)}</a>'
+
+
+def tip(text: str) -> str:
+    """HTML of a line that explains what stands below it."""
+    style = f"margin:6px 12px 2px;font-size:0.78em;color:{css(QUIET)}"
     return f'<div style="{style}">{escape(text)}</div>'
 
 

@@ -108,6 +108,8 @@ class Shortlist:
     """(n,) what reachability said of each, where it was asked; positive is reachable."""
     motion_quality: Array | None = None
     """(n,) probability that each holds in the predicted motion, where it was asked for."""
+    joint_distance_rad: dict[int, float] = field(default_factory=dict["int", "float"])
+    """How far the arm has to go to each that could be picked, by index."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -86,3 +86,25 @@ def close_notifications(page: Page) -> None:
     """Close what viser itself has to say, such as that it draws without a graphics card."""
     for notification in page.locator(".mantine-Notification-closeButton").all():
         notification.click()
+
+
+def on_screen(page: Page, name: str) -> tuple[float, float]:
+    """Where the middle of a 3-D node is on the page, in pixels."""
+    script = """name => {
+        const node = window.__viserMutable.nodeRefFromName[name], camera = window.__viserMutable.camera;
+        const at = node.getWorldPosition(node.position.clone());
+        at.project(camera);
+        const box = document.querySelector("canvas[data-engine]").getBoundingClientRect();
+        return [box.left + (at.x + 1) / 2 * box.width, box.top + (1 - at.y) / 2 * box.height];
+    }"""
+    x, y = cast("list[float]", page.evaluate(script, name))
+    return x, y
+
+
+def tab(page: Page, name: str) -> None:
+    """Open a tab."""
+    page.get_by_role("tab", name=name, exact=True).click()
+
+
+def is_dark(page: Page) -> bool:
+    return page.evaluate("document.documentElement.getAttribute('data-mantine-color-scheme')") == "dark"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from app.commands import Restart
-from app.engine import Running, TrialInfo
+from app.engine import Keepsake, Running, TrialInfo, info_of
+from app.wanted import read_scenario, scenario_of
 from backend.errors import InvalidInputError, lookup
 from backend.events import SetBeltRate, WorldEvent
 from backend.pipeline.values import (
@@ -30,15 +32,12 @@ TICK_S = 1 / 30
 HOME = np.array([0.0, -1.15, 0.9, -0.66, 0.0, 0.0])
 
 SCENARIOS = {
-    "ur5_linear": TrialInfo(
-        "ur5_linear", "UR5, linear", "ur5_robotiq", "sugar_box", "linear", "ik", "task.speed_mps", 0.05
-    ),
-    "ur5_linear_slab": TrialInfo(
-        "ur5_linear_slab", "UR5, slab", "ur5_robotiq", "cube", "linear_slab", "ik", "task.speed_mps", 0.05
-    ),
-    "mico_varying": TrialInfo("mico_varying", "Mico, varying", "mico", "cube", "linear_varying", "ik", None, None),
-    "boom": TrialInfo("boom", "Crashes", "mico", "cube", "linear", "ik", None, None),
+    "ur5_linear": ("ur5_linear", "sugar_box", "UR5, linear"),
+    "ur5_linear_slab": ("ur5_linear_slab", "cube", "UR5, slab"),
+    "mico_varying": ("mico_linear_varying", "cube", "Mico, varying"),
+    "boom": ("mico_linear_varying", "cube", "Crashes"),
 }
+"""Name -> the project's scenario it stands for, object, title."""
 
 
 class FakeEngine:
@@ -54,20 +53,15 @@ class FakeEngine:
         return ("ik", "baseline")
 
     def describe(self, restart: Restart) -> TrialInfo:
-        info = lookup("scenario", restart.scenario, SCENARIOS)
-        speed = restart.overrides.get("task.speed_mps", info.speed_mps)
-        if speed is not None and not -1.0 < float(speed) < 1.0:
-            raise InvalidInputError(f"task.speed_mps: must lie between -1 and 1 (got {speed})")
-        return TrialInfo(
-            info.scenario,
-            info.title,
-            info.robot,
-            str(restart.overrides.get("object", info.object)),
-            info.task,
-            str(restart.overrides.get("method", info.method)),
-            info.speed_path,
-            None if speed is None else float(speed),
-        )
+        if restart.file is not None:
+            return info_of(restart.scenario, scenario_of(restart))
+        stands_for, target, title = lookup("scenario", restart.scenario, SCENARIOS)
+        overrides = {"object": target, **restart.overrides}
+        values = scenario_of(restart.model_copy(update={"scenario": stands_for, "overrides": overrides}))
+        return info_of(restart.scenario, values.model_copy(update={"title": title}))
+
+    def seed_in(self, name: str, text: str) -> int:
+        return read_scenario(text, name).seed
 
     def make_episode(self, restart: Restart) -> Running:
         return FakeEpisode(self.describe(restart), restart.seed)
@@ -97,15 +91,22 @@ class FakeEpisode:
         slab = BoxPlacement(Pose.of((0.45, 0.0, 0.45)), (0.1, 0.6, 0.02)) if info.task == "linear_slab" else None
         obstacles = ("tomato_soup_can", "cube", "sugar_box") if slab is None else ()
         self.scene = SceneDescription(info.robot, info.object, (0.12, 0.12, 0.02), path, obstacles, slab, seed)
+        self._obstacles = [Pose.of((0.65, -0.3 + 0.3 * i, 0.0)) for i in range(len(obstacles))]
         self.closed = False
 
     def apply(self, event: WorldEvent) -> None:
-        if not isinstance(event, SetBeltRate):
+        if isinstance(event, SetBeltRate):
+            self._rate = event.rate
+        elif event.index >= len(self._obstacles):
             raise InvalidInputError("move_obstacle.index: there is no obstacle to move")
-        self._rate = event.rate
+        else:
+            self._obstacles[event.index] = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
 
     def close(self) -> None:
         self.closed = True
+
+    def keepsake(self) -> Keepsake:
+        return Keepsake({"seed": self._seed, "fingerprint": "0123456789abcdef"}, b"a trace")
 
     def run(self) -> Iterator[Snapshot]:
         """600 ticks; every sixth brings a new cycle."""
@@ -115,6 +116,9 @@ class FakeEpisode:
                 raise ZeroDivisionError("the fake world has come apart")
             if self._info.scenario == "boom" and self._seed == 99:
                 os._exit(7)
+            for timed in self._info.values.events:
+                if timed.tick == tick - 1:
+                    self.apply(timed.event)
             self._s_m = float(np.clip(self._s_m + self._rate * self._speed_mps * TICK_S, 0.0, 1.0))
             if tick % 6 == 1:
                 cycle = self._cycle(tick)
@@ -139,8 +143,7 @@ class FakeEpisode:
         q = self._q(t_s)
         names = joint_names(self._info.robot)
         T_tray = Pose.of(self._start + np.array([0.0, self._s_m, 0.0]))
-        n = len(self.scene.obstacles)
-        obstacles = [Pose.of((0.65, -0.3 + 0.3 * i, 0.0)).matrix for i in range(n)]
+        obstacles = [pose.matrix for pose in self._obstacles]
         return Snapshot(
             tick=tick,
             t_s=t_s,
@@ -171,7 +174,8 @@ class FakeEpisode:
         kept = tuple(int(i) for i in np.roll(np.arange(30), tick)[:10])
         score = np.linspace(1.0, 0.0, 30)
         others = {i: "others hold better in this motion" for i in range(30) if i not in kept}
-        shortlist = Shortlist(candidates, kept, score, others, reachability_m=0.2 * score, motion_quality=score)
+        shortlist = Shortlist(candidates, kept, score, others, reachability_m=0.2 * score - 0.05, motion_quality=score)
+        shortlist = replace(shortlist, joint_distance_rad={i: 0.8 + 0.1 * rank for rank, i in enumerate(kept[:8])})
         q_start, q_goal = self._q(t_s), self._q(t_s + 2.0) + 0.2
         goal = JointGoal(q_goal, q_goal + 0.05)
         i = kept[0]

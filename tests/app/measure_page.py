@@ -143,7 +143,7 @@ def main() -> int:
     parser.add_argument("--scenario", default="ur5_linear")
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
     options = parser.parse_args()
-    with serve("--scenario", options.scenario, module=("run_server.py",)) as served:
+    with serve("--no-tour", "--scenario", options.scenario, module=("run_server.py",)) as served:
         while served.state()["tick"] is None:
             time.sleep(0.2)
         result = measure(served, options.minutes)

@@ -10,10 +10,11 @@ from typing import cast
 from PIL import Image
 from playwright.sync_api import Browser, Page
 
-from tests.app.browser import button, close_notifications, open_browser, open_page, wait_for_node
+from tests.app.browser import button, choose, close_notifications, open_browser, open_page, tab, wait_for_node
 from tests.app.served import ROOT, Served, serve
 
-PICTURES = (("dashboard_ur5", "ur5_linear_obstacles"), ("dashboard_mico", "mico_linear_slab"))
+PICTURES = (("dashboard_ur5", "ur5_linear_obstacles", "Trial"), ("dashboard_mico", "mico_linear_slab", "Grasps"))
+SCORE = "Lift success"
 NEAR_M = 0.4
 PATIENCE_S = 300.0
 
@@ -21,16 +22,20 @@ PATIENCE_S = 300.0
 def main() -> None:
     """One picture per arm, each at a moment when the hand is on its way to the object."""
     with open_browser() as browser:
-        for name, scenario in PICTURES:
-            flags = ("--scenario", scenario, "--paused", "--no-auto-next")
+        for name, scenario, left in PICTURES:
+            flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
             with serve(*flags, module=("run_server.py",)) as served:
-                _take(browser, served, name)
+                _take(browser, served, name, left)
 
 
-def _take(browser: Browser, served: Served, name: str) -> None:
+def _take(browser: Browser, served: Served, name: str, left: str) -> None:
     with open_page(browser, served.address) as page:
         wait_for_node(page, "/object/body", 120.0)
         close_notifications(page)
+        tab(page, left)
+        if left == "Grasps":
+            choose(page, "Colour by", SCORE)
+        page.mouse.move(640, 60)  # no tooltip in the picture
         _play_to_a_good_moment(served, page)
         time.sleep(3.0)
         path = ROOT / "docs" / f"{name}.png"

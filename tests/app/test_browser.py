@@ -18,6 +18,7 @@ from tests.app.browser import (
     open_browser,
     open_page,
     slider_box,
+    tab,
     wait_for_node,
 )
 from tests.app.served import Served, serve
@@ -27,7 +28,7 @@ pytestmark = [pytest.mark.timeout(120), pytest.mark.xdist_group("browser")]
 
 @pytest.fixture(scope="module")
 def served() -> Iterator[Served]:
-    with serve("--paused", "--no-auto-next") as server:
+    with serve("--paused", "--no-auto-next", "--no-tour") as server:
         yield server
 
 
@@ -93,11 +94,11 @@ def test_step_advances_one_tick_and_reset_begins_anew(served: Served, page: Page
 
 def test_the_same_by_keys(served: Served, page: Page) -> None:
     click_scene(page, 200, 300)
-    page.keyboard.press("t")
+    page.keyboard.press("ArrowRight")
     wait_for(served, lambda s: s["tick"] == 1)
     page.keyboard.press("n")
     wait_for(served, lambda s: s["seed"] == 1 and not s["loading"])
-    page.keyboard.press("p")
+    page.keyboard.press("Space")
     wait_for(served, lambda s: s["paused"] is False)
 
 
@@ -106,12 +107,12 @@ def test_a_picked_scenario_restarts_and_says_so(served: Served, page: Page) -> N
     wait_for(served, lambda s: s["robot"] == "mico" and not s["loading"])
     expect(page.get_by_text("Restarted with scenario mico_varying.").first).to_be_visible()
     wait_for_node(page, "/robot/m1n6s200_link_6")
-    expect(page.get_by_text("Speed factor")).to_be_visible()
+    expect(page.get_by_text("Belt factor")).to_be_visible()
 
 
 def test_a_belt_speed_acts_on_the_running_trial_and_says_so(served: Served, page: Page) -> None:
     run = served.state()["run"]
-    slider_box(page, "Speed cm/s").fill("-2.5")
+    slider_box(page, "Belt, cm/s").fill("-2.5")
     page.keyboard.press("Enter")
     expect(page.get_by_text("Belt set to -2.5 cm/s in the running trial.").first).to_be_visible()
     button(page, "Step").click()
@@ -127,9 +128,11 @@ def test_a_bad_value_is_refused_with_its_bound(served: Served, page: Page) -> No
 
 
 def test_a_layer_can_be_hidden(page: Page) -> None:
+    tab(page, "View")
     page.get_by_text("Show", exact=True).click()
     page.get_by_role("checkbox", name="Conveyor").click()
     page.wait_for_function("() => window.__viserMutable.nodeRefFromName['/conveyor'].visible === false")
+    tab(page, "Scenario")
 
 
 def test_an_outcome_is_shown_and_the_next_seed_follows_when_asked(served: Served, page: Page) -> None:

@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 from app.inbound import ALLOWED, is_allowed
-from app.ui.dashboard import start_viser
+from app.ui.start import start_viser
 from tests.app.served import Served, serve
 from tests.app.viewer_client import ViewerClient, view
 
@@ -90,7 +90,12 @@ def test_more_browsers_than_allowed_are_turned_away(served: Served) -> None:
     ("kind", "label", "value", "complaint"),
     [
         ("GuiNumberMessage", "Seed", -5, "seed: input should be greater than or equal to 0 (got -5)"),
-        ("GuiSliderMessage", "Speed cm/s", 9900.0, "task.speed_mps: must lie between -1 and 1 (got 99"),
+        (
+            "GuiSliderMessage",
+            "Belt, cm/s",
+            9900.0,
+            "task.linear.speed_mps: input should be less than or equal to 0.5 (got 99",
+        ),
         (
             "GuiDropdownMessage",
             "Scenario",
@@ -122,7 +127,7 @@ def test_a_refused_value_is_taken_back_from_the_widget(viewer: ViewerClient) -> 
 
 def test_a_belt_speed_within_reach_acts_on_the_running_trial(served: Served, viewer: ViewerClient) -> None:
     run = served.state()["run"]
-    viewer.set(viewer.widget("GuiSliderMessage", "Speed cm/s"), -10.0)
+    viewer.set(viewer.widget("GuiSliderMessage", "Belt, cm/s"), -10.0)
     assert viewer.notice() == ("Done", "Belt set to -10.0 cm/s in the running trial.")
     served.command(kind="step_once")
     assert wait_for(served, belt_rate=-2.0)["run"] == run
@@ -131,7 +136,7 @@ def test_a_belt_speed_within_reach_acts_on_the_running_trial(served: Served, vie
 def test_a_belt_speed_beyond_reach_restarts_and_says_so(served: Served, viewer: ViewerClient) -> None:
     run = served.state()["run"]
     assert isinstance(run, int)
-    viewer.set(viewer.widget("GuiSliderMessage", "Speed cm/s"), 40.0)
+    viewer.set(viewer.widget("GuiSliderMessage", "Belt, cm/s"), 40.0)
     assert viewer.notice() == ("Done", "Restarted with belt speed 40.0 cm/s.")
     state = wait_for(served, run=run + 1, loading=False)
     assert state["overrides"] == {"task.speed_mps": 0.4}
@@ -235,7 +240,7 @@ def test_the_api_lists_what_exists(served: Served) -> None:
         (
             {"kind": "restart", "scenario": "ur5_linear", "overrides": {"task.speed_mps": 7.0}},
             422,
-            "between -1 and 1",
+            "less than or equal to 0.5",
         ),
         ({"kind": "fly"}, 422, "set_paused"),
     ],
@@ -255,3 +260,21 @@ def test_the_api_refuses_numbers_that_are_none(served: Served) -> None:
         headers={"Content-Type": "application/json"},
     )
     assert answer.status_code == 422 and "finite" in answer.json()["error"]
+
+
+@pytest.mark.parametrize("value", [None, -1, 2**63, "<b>", "", [], ["a"], {"x": 1}, True, b"raw"])
+def test_no_value_of_any_widget_breaks_the_page(served: Served, viewer: ViewerClient, value: object) -> None:
+    for kind, label in (("Number", "Hold, s"), ("Number", "Latency, s"), ("Slider", "Time, s")):
+        viewer.widget(f"Gui{kind}Message", label)
+    kinds = ("Number", "Slider", "Dropdown", "Checkbox", "Text", "ButtonGroup", "UploadButton")
+    names = {f"Gui{kind}Message" for kind in kinds}
+    widgets = [str(m["uuid"]) for m in viewer.messages if m["type"] in names]
+    assert len(widgets) > 30
+    for uuid in widgets:
+        viewer.set(uuid, value)
+    time.sleep(1.5)
+    served.command(kind="set_paused", paused=True)
+    served.command(kind="restart", scenario="ur5_linear_slab", seed=4)
+    assert wait_for(served, scenario="ur5_linear_slab", seed=4, loading=False)["simulation"] == "running"
+    with view(served.authority) as other:
+        other.widget("GuiSliderMessage", "Time, s")

@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from app.commands import ApplyEvent, Restart, SetPaused, SetSpeed, StepOnce
-from app.session import Session, SessionState, SimulationDownError
+from app.session import Session
+from app.state import SessionState, SimulationDownError
 from backend.errors import InvalidInputError, NotFoundError
 from backend.events import MoveObstacle, SetBeltRate
 from tests.app.fake_episode import FakeEngine
@@ -118,7 +119,7 @@ def test_a_restart_begins_anew_with_its_seed_and_keeps_the_pause(session: Sessio
         (
             Restart(scenario="ur5_linear", overrides={"task.speed_mps": 7.0}),
             InvalidInputError,
-            "between -1 and 1",
+            "less than or equal to 0.5",
         ),
     ],
 )

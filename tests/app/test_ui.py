@@ -15,10 +15,10 @@ import viser
 
 from app.commands import Restart
 from app.reports import Crashed, Pace, Started, Traces
-from app.session import Session, SessionState
+from app.session import Session
+from app.state import SessionState
 from app.ui import words
 from app.ui.camera import viewpoint
-from app.ui.dashboard import start_viser
 from app.ui.desk import Desk
 from app.ui.geometry import chevrons, ribbon, segments, thinned
 from app.ui.layers import LAYERS, Layer, Picture
@@ -28,6 +28,8 @@ from app.ui.panels.ranking import ranking_html
 from app.ui.panels.scenario import ScenarioPanel
 from app.ui.progress import WAIT_S, AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
+from app.ui.start import start_viser
+from app.ui.touch import Untouched
 from backend.pipeline.values import Outcome
 from backend.robots import ROBOTS
 from backend.snapshot import SceneDescription, Snapshot
@@ -52,7 +54,7 @@ def recorded(name: str) -> tuple[SceneDescription, list[Snapshot]]:
 
 def draw_all(server: viser.ViserServer, name: str, ticks: slice) -> tuple[list[Layer], Snapshot]:
     scene, snapshots = recorded(name)
-    layers: list[Layer] = [layer(server.scene) for layer in LAYERS]
+    layers: list[Layer] = [layer(server.scene, Untouched()) for layer in LAYERS]
     for layer in layers:
         layer.begin(scene)
     for snapshot in snapshots[ticks]:
@@ -129,18 +131,20 @@ def test_the_ranking_says_what_each_grasp_was_ranked_by_and_what_became_of_it() 
     short = replace(cycle.shortlist, rejected={**cycle.shortlist.rejected, cycle.shortlist.kept[1]: "<out> of reach"})
     html = ranking_html(cycle, short)
     heads, *rows = Cells(html).rows
-    assert heads[1:4] == ["no.", "R, cm", "M, %"]
+    assert heads[1:5] == ["no.", "R cm", "M %", "way °"]
     assert [int(row[1]) for row in rows] == list(short.kept)
     assert short.reachability_m is not None and short.motion_quality is not None
     for row, i in zip(rows, short.kept, strict=True):
         assert float(row[2]) == pytest.approx(100 * short.reachability_m[i], abs=0.051)
         assert float(row[3]) == pytest.approx(100 * short.motion_quality[i], abs=0.51)
-    assert [row[4] for row in rows] == ["picked", "<out> of reach"] + [""] * 8
+    ways = [short.joint_distance_rad.get(i) for i in short.kept]
+    assert [row[4] for row in rows] == ["-" if way is None else f"{np.degrees(way):.0f}" for way in ways]
+    assert [row[5] for row in rows] == ["picked", "<out> of reach"] + [""] * 8
     assert "20x others hold better in this motion" in html and "<out>" not in html
     plain = replace(short, reachability_m=None, motion_quality=None)
-    assert Cells(ranking_html(cycle, plain)).rows[0][1:3] == ["no.", "score"]
+    assert Cells(ranking_html(cycle, plain)).rows[0][1:4] == ["no.", "score", "way °"]
     unscored = replace(plain, score=np.full(30, np.nan))
-    assert len(Cells(ranking_html(cycle, unscored)).rows[1]) == 3
+    assert len(Cells(ranking_html(cycle, unscored)).rows[1]) == 4
 
 
 def test_what_a_cycle_does_not_have_is_not_shown(server: viser.ViserServer) -> None:
@@ -324,5 +328,5 @@ def test_objects_that_come_and_go_are_on_offer_and_so_is_the_one_tried(server: v
     shown: Any = panel._object  # pyright: ignore[reportPrivateUsage]
     for names in (("cube", "tomato_soup_can", "mug"), ("tomato_soup_can",)):
         engine.names = names
-        panel.show(View(session.state, Tally(), None, ""))
+        panel.show(View(session.state, session.state, (), Tally(), None, ""))
         assert set(shown.options) == {*names, "cube"} and shown.value == "cube"

@@ -1,5 +1,6 @@
 """LAYERS: everything in the 3-D scene, in the order it is built."""
 
+from app.ui.layers.all_grasps import AllGraspsLayer
 from app.ui.layers.bodies import ObjectLayer, ObstaclesLayer
 from app.ui.layers.conveyor import ConveyorLayer
 from app.ui.layers.grasps import GraspsLayer
@@ -13,6 +14,7 @@ LAYERS: tuple[type[Layer], ...] = (
     ObjectLayer,
     ObstaclesLayer,
     PredictionLayer,
+    AllGraspsLayer,
     GraspsLayer,
     PlansLayer,
     TrailLayer,

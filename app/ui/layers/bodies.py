@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from functools import partial
+
+import numpy as np
 import viser
 
 from app.ui import palette
 from app.ui.geometry import Geometry, creased
+from app.ui.layers.draggable import make_draggable
 from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
+from app.ui.touch import Touch
 from backend.objects import ObjectDescription, load_object
+from backend.pose import Array
 from backend.snapshot import SceneDescription
 
 
@@ -26,7 +32,7 @@ class ObjectLayer:
     title = "Object"
     swatches: tuple[tuple[Rgb, str], ...] = ()
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/object")
         self._node: viser.MeshHandle | None = None
@@ -50,24 +56,39 @@ class ObstaclesLayer:
     title = "Obstacles"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.SLAB, "Slab"),)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/obstacles")
+        self._touch = touch
         self._nodes: list[viser.MeshHandle] = []
+        self._held: set[int] = set()
+        self._yaws_rad: list[float] = []
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
-        self._nodes = []
+        self._nodes, self._held, self._yaws_rad = [], set(), [0.0] * len(scene.obstacles)
         for i, name in enumerate(scene.obstacles):
             shape = load_object(name)
-            self._nodes.append(add_object(self._scene, f"/obstacles/{i}", shape, shape.color_rgb))
+            node = add_object(self._scene, f"/obstacles/{i}", shape, shape.color_rgb)
+            make_draggable(node, partial(self._hold, i), partial(self._drop, i))
+            self._nodes.append(node)
         if scene.slab is not None:
             slab = self._scene.add_box("/obstacles/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.6)
             place(slab, scene.slab.T_world_box)
 
     def draw(self, picture: Picture) -> None:
-        for node, T in zip(self._nodes, picture.snapshot.Ts_world_obstacle, strict=True):
-            place(node, T)
+        for i, (node, T) in enumerate(zip(self._nodes, picture.snapshot.Ts_world_obstacle, strict=True)):
+            self._yaws_rad[i] = float(np.arctan2(T[1, 0], T[0, 0]))
+            if i not in self._held:
+                place(node, T)
+
+    def _hold(self, index: int, held: bool) -> None:
+        """What somebody has in hand is not put back by the next tick."""
+        (self._held.add if held else self._held.discard)(index)
+
+    def _drop(self, index: int, place_m: Array, client: viser.ClientHandle) -> None:
+        x_m, y_m = place_m.tolist()
+        self._touch.obstacle(index, x_m, y_m, self._yaws_rad[index], client)
 
     def show(self, visible: bool) -> None:
         self._root.show(visible)

@@ -9,6 +9,7 @@ from app.ui import palette
 from app.ui.geometry import chevrons, ribbon, ring
 from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
+from app.ui.touch import Touch
 from backend.pose import Array
 from backend.snapshot import SceneDescription
 
@@ -22,7 +23,7 @@ class ConveyorLayer:
     title = "Conveyor"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.BELT, "Belt"),)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/conveyor")
         self._tray: viser.BoxHandle | None = None

@@ -1,4 +1,4 @@
-"""The shortlisted grasps as small hands at the predicted object, coloured by rank, the picked one apart."""
+"""The shortlisted grasps as small hands at the predicted object, coloured by the chosen score, the picked one apart."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ import viser
 from app.ui import palette
 from app.ui.geometry import Geometry, gripper_glyph
 from app.ui.layers.layer import Picture, Root, place
-from app.ui.palette import Rgb, rank_color
+from app.ui.looks import SCORES
+from app.ui.palette import Rgb
+from app.ui.touch import Touch
 from backend.pipeline.values import Candidate, Shortlist
 from backend.pose import Array, wxyz_from_rotation
 from backend.robots import ROBOTS
@@ -27,7 +29,7 @@ class GraspsLayer:
         (palette.PICKED, "Picked grasp"),
     )
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/grasps")
         self._glyph: Geometry = gripper_glyph(0.08)
@@ -49,13 +51,16 @@ class GraspsLayer:
         )
 
     def draw(self, picture: Picture) -> None:
-        cycle = picture.snapshot.cycle
-        if not picture.new_cycle or cycle is None or self._frame is None or self._picked is None:
+        cycle = picture.cycle
+        if not picture.new_cycle or self._frame is None or self._picked is None:
+            return
+        if cycle is None:
+            self._frame.visible = False
             return
         self._frame.visible = cycle.shortlist is not None
         if cycle.shortlist is not None:
             place(self._frame, cycle.shortlist.candidates.T_world_object)
-            self._show_shortlist(cycle.shortlist, cycle.picked)
+            self._show_shortlist(cycle.shortlist, cycle.picked, SCORES[picture.looks.score](cycle.shortlist))
         self._picked.visible = cycle.picked is not None
         if cycle.picked is not None:
             place(self._picked, cycle.picked.T_object_grasp)
@@ -63,10 +68,9 @@ class GraspsLayer:
     def show(self, visible: bool) -> None:
         self._root.show(visible)
 
-    def _show_shortlist(self, shortlist: Shortlist, picked: Candidate | None) -> None:
+    def _show_shortlist(self, shortlist: Shortlist, picked: Candidate | None, shades: list[Rgb]) -> None:
         """Unused instances of the batch are shrunk to nothing; the batch grows when it must."""
         kept = [i for i in shortlist.kept if picked is None or i != picked.index]
-        ranks = {index: rank for rank, index in enumerate(shortlist.kept)}
         if self._hands is None or len(kept) > len(self._hands.batched_positions):
             self._hands = self._add_hands(2 * len(kept))
         count = len(self._hands.batched_positions)
@@ -77,7 +81,7 @@ class GraspsLayer:
             scales[slot] = 1.0
             positions[slot] = Ts[index, :3, 3]
             wxyzs[slot] = wxyz_from_rotation(Ts[index, :3, :3])
-            colors[slot] = rank_color(ranks[index], len(shortlist.kept))
+            colors[slot] = shades[index]
         self._hands.batched_positions = positions.astype(np.float32)
         self._hands.batched_wxyzs = wxyzs.astype(np.float32)
         self._hands.batched_scales = scales.astype(np.float32)

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import viser
 
 from app.reports import Traces
+from app.ui.looks import Looks
 from app.ui.palette import Rgb
+from app.ui.touch import Touch
+from backend.pipeline.values import CycleResult, Phase
 from backend.pose import Array, Pose
 from backend.snapshot import SceneDescription, Snapshot
+
+ON_THE_WAY: tuple[Phase, ...] = ("watch", "move", "approach")
 
 
 @dataclass(frozen=True, eq=False)
@@ -21,7 +26,13 @@ class Picture:
     snapshot: Snapshot
     traces: Traces | None
     new_cycle: bool
-    """The cycle or its traces have not been drawn before."""
+    """The cycle or its traces have not been drawn before, or are to look otherwise."""
+    looks: Looks = field(default_factory=Looks)
+
+    @property
+    def cycle(self) -> CycleResult | None:
+        """The newest cycle, as long as the arm is on its way by it: what was thought before the grasp is over then."""
+        return self.snapshot.cycle if self.snapshot.phase in ON_THE_WAY else None
 
 
 class Layer(Protocol):
@@ -32,7 +43,7 @@ class Layer(Protocol):
     swatches: tuple[tuple[Rgb, str], ...]
     """Its rows of the legend."""
 
-    def __init__(self, scene: viser.SceneApi) -> None: ...
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None: ...
 
     def begin(self, scene: SceneDescription) -> None:
         """A new trial."""

@@ -7,11 +7,13 @@ from collections import deque
 import numpy as np
 import viser
 
+from app.history import KEPT_S
 from app.ui import palette
 from app.ui.geometry import segments
 from app.ui.layers.bodies import add_object
 from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
+from app.ui.touch import Touch
 from backend.objects import load_object
 from backend.pose import Array
 from backend.snapshot import SceneDescription
@@ -47,7 +49,7 @@ class PredictionLayer:
     title = "Prediction"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.PREDICTION, "Predicted object"),)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/prediction")
         self._ghost: viser.MeshHandle | None = None
@@ -61,10 +63,10 @@ class PredictionLayer:
         self._way = Polyline(self._scene, "/prediction/way", palette.PREDICTION, 4.0)
 
     def draw(self, picture: Picture) -> None:
-        cycle = picture.snapshot.cycle
-        if not picture.new_cycle or cycle is None or self._ghost is None or self._way is None:
+        cycle = picture.cycle
+        if not picture.new_cycle or self._ghost is None or self._way is None:
             return
-        prediction, shortlist = cycle.prediction, cycle.shortlist
+        prediction, shortlist = (cycle.prediction, cycle.shortlist) if cycle else (None, None)
         self._way.draw(None if prediction is None else prediction.Ts_world_object[:, :3, 3])
         self._ghost.visible = shortlist is not None
         if shortlist is not None:
@@ -83,7 +85,7 @@ class PlansLayer:
         (palette.SEED_PLAN, "Its seed"),
     )
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/plans")
         self._plan: Polyline | None = None
@@ -98,7 +100,10 @@ class PlansLayer:
         if not picture.new_cycle or self._plan is None or self._seed is None:
             return
         traces = picture.traces
-        if traces is not None and traces.plan_m is not None:
+        if traces is None or picture.cycle is None:
+            self._plan.draw(None)
+            self._seed.draw(None)
+        elif traces.plan_m is not None:
             self._plan.draw(traces.plan_m)
             self._seed.draw(None if traces.seed_m is None else traces.seed_m - SEED_BELOW_M)
 
@@ -112,7 +117,7 @@ class TrailLayer:
     title = "Hand trail"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.TRAIL, "Hand trail"),)
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/trail")
         self._line: Polyline | None = None
@@ -123,17 +128,18 @@ class TrailLayer:
         self._root.clear()
         self._line = Polyline(self._scene, "/trail/line", palette.TRAIL, 2.0)
         self._points.clear()
-        self._drawn_s = 0.0
+        self._drawn_s = -TRAIL_REDRAW_S
 
     def draw(self, picture: Picture) -> None:
         t_s = picture.snapshot.t_s
         if not self._points or t_s - self._points[-1][0] >= TRAIL_STEP_S:
             self._points.append((t_s, picture.snapshot.T_world_tcp.xyz_m))
-        while t_s - self._points[0][0] > TRAIL_S:
+        while self._points[-1][0] - self._points[0][0] > KEPT_S + TRAIL_S:
             self._points.popleft()
-        if self._line is not None and t_s - self._drawn_s >= TRAIL_REDRAW_S:
+        if self._line is not None and abs(t_s - self._drawn_s) >= TRAIL_REDRAW_S:
             self._drawn_s = t_s
-            self._line.draw(np.array([point for _, point in self._points]))
+            recent = [point for at_s, point in self._points if 0.0 <= t_s - at_s <= TRAIL_S]
+            self._line.draw(np.array(recent))
 
     def show(self, visible: bool) -> None:
         self._root.show(visible)

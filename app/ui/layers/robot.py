@@ -7,6 +7,7 @@ import viser
 from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
 from app.ui.robot_parts import RobotParts, load_robot_parts
+from app.ui.touch import Touch
 from backend.snapshot import SceneDescription
 
 
@@ -16,7 +17,7 @@ class RobotLayer:
     title = "Robot"
     swatches: tuple[tuple[Rgb, str], ...] = ()
 
-    def __init__(self, scene: viser.SceneApi) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
         self._scene = scene
         self._root = Root(scene, "/robot")
         self._robot = ""

@@ -7,7 +7,8 @@ from typing import Protocol
 
 import viser
 
-from app.session import SessionState
+from app.history import Moment
+from app.state import SessionState
 from app.ui.desk import Desk
 from app.ui.progress import AutoNext, Tally
 
@@ -17,6 +18,11 @@ class View:
     """What the panels show."""
 
     state: SessionState
+    """As at the moment looked at."""
+    live: SessionState
+    """As it is now; the same while nobody looks back."""
+    moments: tuple[Moment, ...]
+    """The last minute, oldest first."""
     tally: Tally
     next_in_s: float | None
     """Seconds until the next trial begins by itself; None when it will not."""

@@ -6,13 +6,15 @@ from collections.abc import Callable
 
 import viser
 
-from app.commands import SPEEDS, SetPaused, SetSpeed, StepOnce
+from app.commands import SPEEDS, LookBack, SetPaused, SetSpeed, StepOnce
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
+from app.ui.words import note
 from backend.errors import lookup
 
 FASTEST = "max"
+TICK_S = 1 / 30
 
 
 def speed_label(speed: float | None) -> str:
@@ -39,10 +41,15 @@ class PlaybackPanel:
             "Next seed": self.next_seed,
         }
         with gui.add_folder("Playback"):
-            self._time = gui.add_button_group("Time", ("Pause", "Step"))
-            self._trial = gui.add_button_group("Trial", ("Reset", "Next seed"))
-            self._speed = gui.add_dropdown("Speed", tuple(LABELS), initial_value=speed_label(1.0))
-            self._auto = gui.add_checkbox("Auto next", auto_next.enabled, hint="Go on with the next seed")
+            self._time = gui.add_button_group("Time", ("Pause", "Step"), hint="Space; the right arrow is one tick")
+            self._trial = gui.add_button_group("Trial", ("Reset", "Next seed"), hint="R the same again, N the next")
+            self._speed = gui.add_dropdown(
+                "Speed", tuple(LABELS), initial_value=speed_label(1.0), hint="Simulated seconds per second"
+            )
+            self._auto = gui.add_checkbox(
+                "Auto next", auto_next.enabled, hint="Go on with the next seed 4 s after an outcome"
+            )
+            self._status = gui.add_html("")
         self._time.on_click(self._on_button)
         self._trial.on_click(self._on_button)
         self._speed.on_update(self._on_speed)
@@ -51,6 +58,7 @@ class PlaybackPanel:
 
     def show(self, view: View) -> None:
         self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
+        self._status.content = note(view.status_line) if view.status_line else ""
         label = speed_label(view.state.pace.speed)
         if label in LABELS:
             self._desk.mirror("speed", self._speed, label)
@@ -65,13 +73,23 @@ class PlaybackPanel:
         return None
 
     def step(self) -> Answer:
-        """One tick."""
-        self._desk.send(StepOnce())
+        """One tick; of those there were, while somebody looks back."""
+        looked_at = self._desk.session.state.looked_at
+        self._desk.send(LookBack(t_s=looked_at.snapshot.t_s + TICK_S) if looked_at else StepOnce())
+        return None
+
+    def step_back(self) -> Answer:
+        """Show the tick before the one shown."""
+        snapshot = self._desk.session.state.shown.snapshot
+        if snapshot is not None:
+            self._desk.send(LookBack(t_s=max(0.0, snapshot.t_s - TICK_S)))
         return None
 
     def reset(self) -> Answer:
-        """The same trial from its start."""
-        return f"Trial restarted with seed {self._desk.restart().seed}."
+        """The same trial from its start, as it was asked for."""
+        again = self._desk.restart()
+        edits = f" and the {len(again.events)} edits it came with" if again.events else ""
+        return f"Trial restarted with seed {again.seed}{edits}."
 
     def next_seed(self) -> Answer:
         """The same problem with the next seed."""
@@ -97,10 +115,13 @@ class PlaybackPanel:
         self._auto_next.enabled = bool(event.target.value)
 
     def _add_keys(self, gui: viser.GuiApi) -> None:
+        """The arrows are T and B as well, by the page's own script: viser turns the camera with them."""
+
         def register(command: viser.CommandHandle, key: str, act: Callable[[], Answer]) -> None:
             command.on_trigger(lambda event: self._desk.wish(key, act, event.client))
 
-        register(gui.add_command("Play or pause", hotkey="P"), "key P", self.toggle)
+        register(gui.add_command("Play or pause", hotkey="space"), "key space", self.toggle)
         register(gui.add_command("One tick", hotkey="T"), "key T", self.step)
+        register(gui.add_command("One tick back", hotkey="B"), "key B", self.step_back)
         register(gui.add_command("Restart the trial", hotkey="R"), "key R", self.reset)
         register(gui.add_command("Next seed", hotkey="N"), "key N", self.next_seed)

@@ -1,72 +1,98 @@
-"""Ranking: the grasps of the last cycle's shortlist, what each was ranked by, and what became of it."""
+"""Ranking: the funnel of the last cycle, the shortlist with its figures, and the card of any grasp."""
 
 from __future__ import annotations
 
-from collections import Counter
+from dataclasses import replace
 
-import numpy as np
 import viser
 
 from app.ui import palette, words
-from app.ui.desk import Desk
+from app.ui.desk import Answer, Desk
+from app.ui.funnel import card_rows, columns, funnel, ranges, rejections
+from app.ui.looks import SCORES
 from app.ui.palette import rank_color
+from app.ui.panels.choice import SETTLE_S, choosing
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
+from backend.errors import InvalidInputError, lookup
 from backend.pipeline.values import CycleResult, Shortlist
-from backend.pose import Array
 
-REASONS_SHOWN = 3
+EMPTY = "No grasps are ranked yet: press Play. The first cycle comes once the object has been seen."
+NOBODY = -1
+"""Stands for no grasp in the number box."""
 
 
 class RankingPanel:
     """The marks have the colours of the hands in the scene."""
 
     def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
-        self._shown: CycleResult | None = None
+        self._desk = desk
+        self._shown: tuple[object, ...] = (None, desk.looks)
+        self._funnel = gui.add_html(words.tip(EMPTY))
+        with gui.add_folder("Small hands"):
+            self._score = gui.add_dropdown(
+                "Colour by", tuple(SCORES), initial_value=desk.looks.score, hint="What the small hands are coloured by"
+            )
+            self._number = gui.add_number(
+                "Grasp no.", NOBODY, step=1, hint="Show the card of this grasp, as a click on it does; -1 for none"
+            )
+            self._card = gui.add_html("")
         self._table = gui.add_html("")
+        self._score.on_update(choosing(desk, "score", self.set_score))
+        self._number.on_update(choosing(desk, "number", self.set_grasp, SETTLE_S))
 
     def show(self, view: View) -> None:
-        snapshot = view.state.snapshot
+        snapshot, looks = view.state.snapshot, self._desk.looks
+        self._desk.mirror("score", self._score, looks.score)
+        self._desk.mirror("number", self._number, NOBODY if looks.grasp is None else looks.grasp)
         cycle = snapshot.cycle if snapshot else None
-        if cycle is not self._shown:
-            self._shown = cycle
-            short = cycle.shortlist if cycle else None
-            self._table.content = "" if cycle is None or short is None else ranking_html(cycle, short)
+        if (cycle, looks) == self._shown:
+            return
+        self._shown = cycle, looks
+        short = cycle.shortlist if cycle else None
+        self._funnel.content = words.tip(EMPTY) if cycle is None or short is None else funnel_html(cycle, short)
+        self._table.content = "" if cycle is None or short is None else ranking_html(cycle, short)
+        self._card.content = "" if cycle is None or short is None else card_html(cycle, short, looks.grasp)
+
+    def set_score(self, name: str) -> Answer:
+        """Raises ``NotFoundError`` for a score that is not offered."""
+        lookup("score", name, SCORES)
+        self._desk.looks = replace(self._desk.looks, score=name)
+        return None
+
+    def set_grasp(self, index: int) -> Answer:
+        """Raises ``InvalidInputError`` for a number that no database has."""
+        if not -1 <= index < 100:
+            raise InvalidInputError(f"Grasp no.: from 0 to 99, or -1 for none (got {index})")
+        self._desk.looks = replace(self._desk.looks, grasp=None if index == NOBODY else index)
+        return None
+
+
+def funnel_html(cycle: CycleResult, short: Shortlist) -> str:
+    """One bar per room, and what they say together."""
+    stages = funnel(short, cycle.picked)
+    most = max(stages[0].count, 1)
+    rows = [(stage.name, stage.count / most, str(stage.count)) for stage in stages]
+    return words.heading("From all grasps to one") + words.bars(rows, palette.PLAN, name_px=96, figure_px=28)
 
 
 def ranking_html(cycle: CycleResult, short: Shortlist) -> str:
-    """Kept grasps in order, and the commonest reasons of the others."""
-    columns = _columns(short)
-    heads = ("no.", *(head for head, _ in columns), "")
+    """Kept grasps in order, then every other with its reason."""
+    figures = columns(short)
+    heads = ("no.", *(head for head, _ in figures), "")
     rows: list[tuple[palette.Rgb, tuple[str, ...]]] = []
     for rank, i in enumerate(short.kept):
         picked = cycle.picked is not None and cycle.picked.index == i
         color = palette.PICKED if picked else rank_color(rank, len(short.kept))
         became = "picked" if picked else short.rejected.get(i, "")
-        rows.append((color, (str(i), *(figures[i] for _, figures in columns), became)))
-    others = words.heading("The others") + words.note(_of_the_others(short)) if short.rejected else ""
-    return words.heading("Shortlist") + words.ranking(heads, rows) + others
+        rows.append((color, (str(i), *(column[i] for _, column in figures), became)))
+    others = [words.note(f"{len(indices)}x {why}: {ranges(indices)}") for why, indices in rejections(short)]
+    table = words.heading("Shortlist") + words.ranking(heads, rows)
+    return table + (words.heading("Rejected, and why") + "".join(others) if others else "")
 
 
-def _columns(short: Shortlist) -> list[tuple[str, list[str]]]:
-    """What the filter ranked by: reachability in centimetres, quality in motion in per cent, or its own score."""
-    columns: list[tuple[str, list[str]]] = []
-    if short.reachability_m is not None:
-        columns.append(("R, cm", _figures(short.reachability_m, 100.0, 1)))
-    if short.motion_quality is not None:
-        columns.append(("M, %", _figures(short.motion_quality, 100.0, 0)))
-    if not columns and np.isfinite(short.score).any():
-        columns.append(("score", _figures(short.score, 1.0, 2)))
-    return columns
-
-
-def _figures(values: Array, unit: float, digits: int) -> list[str]:
-    return [f"{unit * value:.{digits}f}" if np.isfinite(value) else "-" for value in values]
-
-
-def _of_the_others(short: Shortlist) -> str:
-    """Figures in a reason are left out, so that like is counted with like."""
-    reasons = Counter(
-        why.split(" by about")[0].split(";")[0] for i, why in short.rejected.items() if i not in short.kept
-    )
-    return "; ".join(f"{count}x {why}" for why, count in reasons.most_common(REASONS_SHOWN))
+def card_html(cycle: CycleResult, short: Shortlist, index: int | None) -> str:
+    """All that is known of one grasp; a hint while none is chosen."""
+    if index is None or index >= len(short.score):
+        return words.tip("Click a hand in the scene to see its card.")
+    return words.heading(f"Grasp {index}") + words.facts(card_rows(short, index, cycle.picked))

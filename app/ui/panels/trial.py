@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import viser
 
-from app.session import SessionState
+from app.state import SessionState
 from app.ui import palette, words
 from app.ui.desk import Desk
 from app.ui.panels.panel import View
@@ -32,6 +32,9 @@ class TrialPanel:
 
 def _banner(view: View) -> str:
     state, snapshot = view.state, view.state.snapshot
+    if state.looked_at is not None and snapshot is not None and state.status == "running":
+        what = f"{words.PHASES[snapshot.phase]}. Go on from here, or back to the newest."
+        return words.banner(f"Looking back at {snapshot.t_s:.1f} s", what, palette.SEED_PLAN)
     if state.status == "crashed":
         return words.banner("Simulation ended", state.crash.cause if state.crash else "", palette.BAD)
     if state.loading or snapshot is None:

@@ -1,0 +1,62 @@
+"""History: the last minute of the running trial, moment by moment."""
+
+from __future__ import annotations
+
+import threading
+from bisect import bisect_left
+from dataclasses import dataclass
+
+from app.reports import Traces
+from backend.snapshot import Snapshot
+
+KEPT_S = 60.0
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A tick that was reported; its cycle is the newest of then."""
+
+    snapshot: Snapshot
+    traces: Traces | None
+
+
+class History:
+    """Written by the session's thread, read by the dashboard's."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._moments: list[Moment] = []
+
+    def add(self, moment: Moment) -> None:
+        """The newest moment; what is older than a minute goes."""
+        with self._lock:
+            self._moments.append(moment)
+            oldest_s = moment.snapshot.t_s - KEPT_S
+            if self._moments[0].snapshot.t_s < oldest_s:
+                del self._moments[: bisect_left(self._moments, oldest_s, key=_time_s)]
+
+    def clear(self) -> None:
+        """Another trial has begun."""
+        with self._lock:
+            self._moments.clear()
+
+    def cut(self, tick: int) -> None:
+        """Forget what came after this tick."""
+        with self._lock:
+            self._moments = [moment for moment in self._moments if moment.snapshot.tick <= tick]
+
+    def at(self, t_s: float) -> Moment | None:
+        """The kept moment nearest to a simulated time; None when nothing is kept."""
+        with self._lock:
+            i = bisect_left(self._moments, t_s, key=_time_s)
+            near = self._moments[max(i - 1, 0) : i + 1]
+        return min(near, key=lambda moment: abs(moment.snapshot.t_s - t_s), default=None)
+
+    def moments(self) -> tuple[Moment, ...]:
+        """All that is kept, oldest first."""
+        with self._lock:
+            return tuple(self._moments)
+
+
+def _time_s(moment: Moment) -> float:
+    return moment.snapshot.t_s

@@ -1,0 +1,56 @@
+"""Touch: what clicks and drags in the scene ask for."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Protocol
+
+import viser
+
+from app.commands import ApplyEvent
+from app.ui.desk import Answer, Desk, checked
+from backend.events import MoveObstacle
+
+
+class Touch(Protocol):
+    """Given to every layer."""
+
+    def grasp(self, index: int, client: viser.ClientHandle) -> None:
+        """Show the card of a grasp."""
+        ...
+
+    def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
+        """Put an obstacle elsewhere in the running trial."""
+        ...
+
+
+class Untouched:
+    """Where nobody can click."""
+
+    def grasp(self, index: int, client: viser.ClientHandle) -> None:
+        pass
+
+    def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
+        pass
+
+
+class DeskTouch:
+    """Like a panel's callbacks it only leaves wishes."""
+
+    def __init__(self, desk: Desk) -> None:
+        self._desk = desk
+
+    def grasp(self, index: int, client: viser.ClientHandle) -> None:
+        self._desk.wish("grasp", lambda: self._show_card(index), client)
+
+    def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
+        self._desk.wish("obstacle", lambda: self._move(index, x_m, y_m, yaw_rad), client)
+
+    def _show_card(self, index: int) -> Answer:
+        self._desk.looks = replace(self._desk.looks, grasp=index)
+        return None
+
+    def _move(self, index: int, x_m: float, y_m: float, yaw_rad: float) -> Answer:
+        event = checked(MoveObstacle, index=index, x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)
+        self._desk.send(ApplyEvent(event=event))
+        return f"Obstacle {index + 1} moved to {100 * x_m:.0f}, {100 * y_m:.0f} cm in the running trial."
