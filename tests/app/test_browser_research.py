@@ -64,6 +64,10 @@ def play_to(served: Served, tick: int) -> None:
     wait_for(served, lambda s: s["paused"] is True)
 
 
+STRIP_BOX = "() => document.querySelector('[data-strip]')?.getBoundingClientRect().toJSON()"
+"""In one look, for the strip is drawn anew while the trial goes on."""
+
+
 def test_whoever_comes_first_is_shown_around_and_only_once(served: Served, browser: Browser) -> None:
     with open_page(browser, served.address) as stranger:
         expect(stranger.get_by_text("A robot grasps what moves (1 of 5)")).to_be_visible()
@@ -109,11 +113,9 @@ def test_the_past_is_looked_at_and_gone_on_from(served: Served, page: Page) -> N
 
 def test_a_click_on_the_timeline_looks_back(served: Served, page: Page) -> None:
     play_to(served, 300)
-    strip = page.locator("[data-strip]")
-    expect(strip).to_be_visible()
-    box = strip.bounding_box()
-    assert box is not None
+    expect(page.locator("[data-strip]")).to_be_visible()
     page.wait_for_timeout(1500)
+    box = page.wait_for_function(STRIP_BOX).json_value()
     page.mouse.click(box["x"] + 0.1 * box["width"], box["y"] + 6)
     state = wait_for(served, lambda s: s["looked_at_s"] is not None)
     assert state["looked_at_s"] == pytest.approx(1.5, abs=0.3)
@@ -211,7 +213,7 @@ def test_an_obstacle_is_dragged_while_the_trial_runs_and_the_edit_recorded(serve
     page.mouse.down()
     for k in range(1, 9):
         page.mouse.move(x - 6 * k, y - 5 - 2 * k)
-        page.wait_for_timeout(60)
+        page.wait_for_timeout(150)
     page.mouse.up()
     wait_for(served, lambda s: s["live_edits"] == 1)
     expect(page.get_by_text("Obstacle 2 moved to").first).to_be_visible()
