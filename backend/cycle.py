@@ -26,7 +26,7 @@ from backend.pipeline.rehearse import Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
 from backend.pipeline.values import Candidate, CycleResult, JointGoal, PlanRequest, Prediction, Refusal, Room
-from backend.pose import Array
+from backend.pose import Array, Pose
 from backend.robots.description import RobotDescription
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Path, Trajectory
@@ -122,6 +122,17 @@ class Cycle:
             picked, result = self._rehearsed(start, result, picked, predictor)
         return self._move(start, result, picked, watch)
 
+    def approach_request(self, arm: ArmState, T_object_grasp: Pose, predictor: Predictor) -> ApproachRequest:
+        """The way in from ``arm`` to a grasp of the object, wherever that is predicted to be by then."""
+        return ApproachRequest(
+            arm=arm,
+            object_at=lambda t_s: seen_by(predictor, t_s),
+            T_object_grasp=T_object_grasp,
+            backoff_m=self.robot.backoff_m,
+            slide_s=self.method.execution.approach_s,
+            ride_s=CLOSE_AT_MOST_S,
+        )
+
     def _rehearsed(
         self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], predictor: Predictor
     ) -> tuple[tuple[Candidate, ...], CycleResult]:
@@ -130,14 +141,8 @@ class Cycle:
         assert prediction is not None and short is not None
 
         def request(candidate: Candidate, goal: JointGoal) -> ApproachRequest:
-            return ApproachRequest(
-                arm=ArmState(goal.q_pregrasp, np.zeros_like(goal.q_pregrasp), float(prediction.t_s[1])),
-                object_at=lambda t_s: seen_by(predictor, t_s),
-                T_object_grasp=candidate.T_object_grasp,
-                backoff_m=self.robot.backoff_m,
-                slide_s=self.method.execution.approach_s,
-                ride_s=CLOSE_AT_MOST_S,
-            )
+            arm = ArmState(goal.q_pregrasp, np.zeros_like(goal.q_pregrasp), float(prediction.t_s[1]))
+            return self.approach_request(arm, candidate.T_object_grasp, predictor)
 
         picked, refused = self.rehearsal.from_the_first_that_works(picked, start.trusted, request)
         return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))

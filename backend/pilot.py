@@ -6,7 +6,6 @@ import numpy as np
 
 from backend.cycle import Cycle, CycleStart, seen_by
 from backend.pipeline.execute import (
-    CLOSE_AT_MOST_S,
     Approach,
     ApproachRequest,
     Executor,
@@ -153,14 +152,8 @@ class Pilot:
 
     def _request(self, t_s: float) -> ApproachRequest:
         assert self._held is not None
-        return ApproachRequest(
-            arm=self.executor.arm_at(t_s + self._think.approach_s()),
-            object_at=self._object_at,
-            T_object_grasp=self._held.T_object_grasp,
-            backoff_m=self._cycle.robot.backoff_m,
-            slide_s=self._cycle.method.execution.approach_s,
-            ride_s=CLOSE_AT_MOST_S,
-        )
+        arm = self.executor.arm_at(t_s + self._think.approach_s())
+        return self._cycle.approach_request(arm, self._held.T_object_grasp, self._predictor)
 
     def _begin(self, approach: Approach) -> None:
         self.executor.begin_approach(approach)

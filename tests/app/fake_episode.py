@@ -28,6 +28,8 @@ from backend.pose import Array, Pose
 from backend.snapshot import BoxPlacement, SceneDescription, Snapshot
 from backend.trajectory import Path
 
+LINEAR = Restart(scenario="ur5_linear", seed=0, overrides={})
+"""What sessions of the fake engine begin with."""
 TICK_S = 1 / 30
 HOME = np.array([0.0, -1.15, 0.9, -0.66, 0.0, 0.0])
 

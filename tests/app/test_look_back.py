@@ -4,30 +4,19 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
 
-from app.commands import ApplyEvent, GoOn, LookBack, Restart, SetPaused, SetSpeed, StepOnce
+from app.commands import ApplyEvent, GoOn, LookBack, SetPaused, SetSpeed, StepOnce
 from app.history import KEPT_S, History, Moment
 from app.session import Session
 from app.state import SessionState
 from app.ui.strip import cycle_times, span_s, stretches, strip_svg
 from backend.errors import InvalidInputError
 from backend.events import SetBeltRate
-from tests.app.fake_episode import FakeEngine
+from tests.app.fake_episode import LINEAR, FakeEngine
 from tests.app.test_session import tick, wait
-
-LINEAR = Restart(scenario="ur5_linear", seed=0, overrides={})
-
-
-@pytest.fixture
-def session() -> Iterator[Session]:
-    session = Session(FakeEngine(), LINEAR, paused=True)
-    session.start()
-    yield session
-    session.close()
 
 
 def shown_tick(state: SessionState) -> int:

@@ -3,7 +3,7 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import pytest
 
@@ -12,17 +12,7 @@ from app.session import Session
 from app.state import SessionState, SimulationDownError
 from backend.errors import InvalidInputError, NotFoundError
 from backend.events import MoveObstacle, SetBeltRate
-from tests.app.fake_episode import FakeEngine
-
-LINEAR = Restart(scenario="ur5_linear", seed=0, overrides={})
-
-
-@pytest.fixture
-def session() -> Iterator[Session]:
-    session = Session(FakeEngine(), LINEAR, paused=True)
-    session.start()
-    yield session
-    session.close()
+from tests.app.fake_episode import LINEAR, FakeEngine
 
 
 def wait(session: Session, ready: Callable[[SessionState], bool], patience_s: float = 20.0) -> SessionState:
