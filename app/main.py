@@ -10,9 +10,12 @@ from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
 
 from app.api import api_router
+from app.api.experiments import experiments_router
 from app.api.share import open_router
 from app.guard import Guard
 from app.proxy import viewer_router
+from app.runs.process import BusyError
+from app.runs.runs import Runs
 from app.session import Session
 from app.settings import Settings, is_loopback
 from app.state import SimulationDownError
@@ -22,22 +25,23 @@ TITLE = "Dynamic grasping"
 ASSETS = Path(__file__).resolve().parent.parent / "frontend_assets"
 
 
-def create_app(session: Session, settings: Settings, viser_port: int) -> FastAPI:
+def create_app(session: Session, runs: Runs, settings: Settings, viser_port: int) -> FastAPI:
     """The application in front of ``session`` and of the viser server on ``127.0.0.1:viser_port``."""
     app = FastAPI(title=TITLE, docs_url="/api/docs", redoc_url=None, openapi_url="/api/openapi.json")
     app.add_middleware(Guard, token=settings.token, loopback=is_loopback(settings.host))
     app.add_exception_handler(GraspingError, _explain_error)
     app.add_exception_handler(RequestValidationError, _explain_validation)
-    app.include_router(api_router(session))
+    app.include_router(api_router(session, runs))
     app.include_router(open_router(session))
+    app.include_router(experiments_router())
     app.include_router(viewer_router(viser_port, TITLE, settings.max_clients))
     app.mount("/assets", StaticFiles(directory=ASSETS), name="assets")
     return app
 
 
 def _explain_error(_: Request, error: Exception) -> JSONResponse:
-    """404 for what does not exist, 409 for a simulation that is down, 422 for what cannot be used."""
-    statuses: dict[type[Exception], int] = {NotFoundError: 404, SimulationDownError: 409}
+    """404 for what does not exist, 409 for what is down or busy, 422 for what cannot be used."""
+    statuses: dict[type[Exception], int] = {NotFoundError: 404, SimulationDownError: 409, BusyError: 409}
     return JSONResponse({"error": str(error)}, status_code=statuses.get(type(error), 422))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import signal
 import socket
+from pathlib import Path
 
 import uvicorn
 
@@ -12,6 +13,7 @@ from app.backend_engine import BackendEngine
 from app.commands import Restart
 from app.engine import Engine
 from app.main import create_app
+from app.runs.runs import Runs
 from app.session import Session
 from app.settings import Settings
 from app.ui.dashboard import Dashboard
@@ -32,15 +34,16 @@ def serve(settings: Settings, listener: socket.socket, engine: Engine | None = N
         dashboard = Dashboard(session, settings.auto_next, settings.low_fx, settings.tour)
         dashboard.start()
         try:
-            _serve_web(session, dashboard, settings, listener)
+            with contextlib.closing(Runs(Path(settings.runs))) as runs:
+                _serve_web(session, runs, dashboard, settings, listener)
         finally:
             dashboard.close()
     finally:
         session.close()
 
 
-def _serve_web(session: Session, dashboard: Dashboard, settings: Settings, listener: socket.socket) -> None:
-    app = create_app(session, settings, dashboard.server.get_port())
+def _serve_web(session: Session, runs: Runs, dashboard: Dashboard, settings: Settings, listener: socket.socket) -> None:
+    app = create_app(session, runs, settings, dashboard.server.get_port())
     config = uvicorn.Config(
         app,
         ws="websockets-sansio",

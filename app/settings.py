@@ -26,6 +26,8 @@ class Settings(Config):
     """First scenario, a file name in scenarios/ without its ending."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0
     """First seed."""
+    runs: str = "runs"
+    """Folder with the runs of grids that the experiments page shows."""
     paused: bool = False
     """Start paused."""
     auto_next: bool = True

@@ -16,9 +16,8 @@ from backend.experiments.executors.executor import Executor
 from backend.experiments.grid.cells import Job
 from backend.experiments.grid.code import code_version
 from backend.experiments.grid.driver import Stop, drive
-from backend.experiments.grid.duration import how_long
-from backend.experiments.grid.folder import open_grid, store_file
-from backend.experiments.grid.row import GridRow
+from backend.experiments.grid.estimate import estimate_of
+from backend.experiments.grid.folder import open_grid
 from backend.experiments.grid.store import Store
 from backend.experiments.grid.work import run_job
 
@@ -81,17 +80,13 @@ def _workers(asked: Asked) -> int:
 
 def _dry_run(asked: Asked, workers: int, as_json: bool) -> int:
     """Say how many trials there would be and how long they would take; nothing is written."""
-    trials = sum(1 for _ in asked.plan.jobs(lambda _: True, asked.shard))
-    rows: list[GridRow] = []
-    if store_file(asked.folder, asked.shard).is_file():
-        with open_grid(asked.folder, asked.plan, asked.trial_set, asked.shard) as store:
-            rows = list(store.rows())
-    time = how_long(trials - len(rows), workers, rows)
+    found = estimate_of(asked.plan, asked.folder, workers, asked.shard)
+    time = found.duration
     if as_json:
-        print(json.dumps({"trials": trials, "done": len(rows), "hours": time.hours, "each_s": time.each_s}))
+        print(json.dumps({"trials": found.trials, "done": found.done, "hours": time.hours, "each_s": time.each_s}))
         return 0
     s = asked.plan.settings
-    print(f"{trials} trials, {len(rows)} of them done; the others take {time.words} on {workers} workers")
+    print(f"{found.trials} trials, {found.done} of them done; the others take {time.words} on {workers} workers")
     print(f"  ({time.source}).")
     for name in ("robots", "tasks", "objects", "methods"):
         listed: tuple[str, ...] = getattr(s, name)

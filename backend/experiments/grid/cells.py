@@ -139,14 +139,16 @@ def make_plan(settings: GridSettings, starts: Mapping[Group, tuple[Start, ...]] 
 
 
 def scenario_of(robot: str, task: str) -> Scenario:
-    """The project's scenario of a robot and a task: of several files, the one with the shortest name.
+    """The project's scenario of a robot and a task; raises ``NotFoundError``."""
+    return load_scenario(scenario_name_of(robot, task))
 
-    Raises ``NotFoundError``.
-    """
+
+def scenario_name_of(robot: str, task: str) -> str:
+    """Name of the file with that scenario: of several, the shortest. Raises ``NotFoundError``."""
     names = (name for name, cell in _cells_of_files().items() if cell == (robot, task))
     name = min(names, key=lambda name: (len(name), name), default=None)
     if name is not None:
-        return load_scenario(name)
+        return name
     raise NotFoundError(f"No file in scenarios/ has the robot {robot!r} with the task {task!r}.")
 
 

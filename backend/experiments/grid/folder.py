@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import math
 from pathlib import Path
 
 from backend.errors import InvalidInputError, NotFoundError
@@ -44,15 +47,18 @@ def open_grid(folder: Path, plan: Plan, trial_set: str | None, shard: Shard) -> 
     return open_store(store_file(folder, shard), facts_of(plan, trial_set))
 
 
-def read_grid(folder: Path) -> Store:
-    """The store of all rows in a folder, for reading; errors as ``read_store``."""
+def read_grid(folder: Path, *, check: bool = True) -> Store:
+    """The store of all rows in a folder, for reading; errors as ``read_store``.
+
+    Without ``check`` what is broken is met only when it is read.
+    """
     if not folder.is_dir():
         raise NotFoundError(f"There is no folder {folder}; `python -m backend grid --out {folder}` makes it.")
     if not store_file(folder).is_file() and (shards := shard_files(folder)):
         raise NotFoundError(
             f"{folder} has {len(shards)} shards that are not merged yet: python -m backend merge {folder}"
         )
-    return read_store(store_file(folder))
+    return read_store(store_file(folder), even_broken=not check)
 
 
 def plan_of(facts: Facts) -> Plan:
@@ -68,6 +74,15 @@ def plan_of(facts: Facts) -> Plan:
     if plan.decided() != facts.decided:
         raise InvalidInputError("The scenarios or methods of this project are not those the grid was run with.")
     return plan
+
+
+def trials_of(facts: Facts) -> int:
+    """How many trials the grid of a store has, without making its plan."""
+    decided = facts.decided
+    if facts.trial_set is not None:
+        return len(decided["methods"]) * sum(1 for _ in csv.DictReader(io.StringIO(facts.trial_set)))
+    lengths = (len(decided[name]) for name in ("robots", "tasks", "objects", "methods"))
+    return math.prod(lengths) * int(decided["trials"])
 
 
 def salvaged(store: Store, most: int) -> list[GridRow]:

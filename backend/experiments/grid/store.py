@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import fcntl
 import json
 import sqlite3
-from collections.abc import Generator, Iterator
+from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +14,7 @@ from backend.errors import InvalidInputError, NotFoundError, StorageError
 from backend.experiments.grid.cells import Key
 from backend.experiments.grid.row import COLUMNS, GridRow
 from backend.experiments.grid.settings import differences, hash_of
+from backend.experiments.grid.writer import locked
 from backend.files import replacing
 
 FORMAT = 1
@@ -87,7 +87,7 @@ class Store:
     def rows(self) -> Iterator[GridRow]:
         """All rows, in the order in which they were written."""
         with _explained(self.path):
-            yield from map(_row, self._db.execute("SELECT * FROM trials ORDER BY rowid"))
+            yield from map(row_of, self._db.execute("SELECT * FROM trials ORDER BY rowid"))
 
     def row(self, key: Key) -> GridRow:
         """The row of a trial; raises ``NotFoundError``."""
@@ -97,13 +97,18 @@ class Store:
             found = self._db.execute(f"SELECT * FROM trials WHERE {where}", values).fetchone()
         if found is None:
             raise NotFoundError(f"{self.path} has no row of {key}.")
-        return _row(found)
+        return row_of(found)
+
+    def query(self, sql: str, values: Sequence[object] = ()) -> list[Any]:
+        """Every line of the answer to a question in SQL, as tuples; for readers."""
+        with _explained(self.path):
+            return self._db.execute(sql, values).fetchall()
 
     def row_number(self, number: int) -> GridRow | None:
         """The n-th row written; None when there is none or the file is broken there."""
         try:
             found = self._db.execute("SELECT * FROM trials WHERE rowid = ?", (number,)).fetchone()
-            return None if found is None else _row(found)
+            return None if found is None else row_of(found)
         except (sqlite3.DatabaseError, TypeError, ValueError):
             return None
 
@@ -113,7 +118,7 @@ def open_store(path: Path, facts: Facts) -> Store:
 
     Raises ``InvalidInputError`` when it is of other settings (and says which), corrupt, in use, or can't be written.
     """
-    lock = _locked(path)
+    lock = locked(path)
     try:
         with _explained(path):
             if not path.exists() or path.stat().st_size == 0:
@@ -123,12 +128,7 @@ def open_store(path: Path, facts: Facts) -> Store:
             connection.execute("PRAGMA synchronous = FULL")
         _check_whole(path, connection)
         store = Store(path, connection, facts, lock)
-        there = _facts(path, connection)
-        if differing := differences(there.decided, facts.decided):
-            raise InvalidInputError(
-                f"{path} has rows of other settings; take another folder, or ask for the same:\n  "
-                + "\n  ".join(differing)
-            )
+        check_same(path, _facts(path, connection), facts)
         return store
     except BaseException:
         lock.close()
@@ -148,6 +148,14 @@ def read_store(path: Path, *, even_broken: bool = False) -> Store:
     if not even_broken:
         _check_whole(path, connection)
     return Store(path, connection, _facts(path, connection))
+
+
+def check_same(path: Path, there: Facts, asked: Facts) -> None:
+    """Raise ``InvalidInputError`` that says how they differ when rows of one grid are not those of the other."""
+    if differing := differences(there.decided, asked.decided):
+        raise InvalidInputError(
+            f"{path} has rows of other settings; take another folder, or ask for the same:\n  " + "\n  ".join(differing)
+        )
 
 
 def _begin(path: Path, facts: Facts) -> None:
@@ -177,20 +185,6 @@ def _facts(path: Path, connection: sqlite3.Connection) -> Facts:
     return Facts(told["decided"], told["judge"], told["trial_set"])
 
 
-def _locked(path: Path) -> IO[str]:
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        lock = open(path.with_name(f".{path.name}.lock"), "w")
-    except OSError as error:
-        raise InvalidInputError(f"Cannot write to the folder {path.parent}: {error.strerror}.") from None
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        lock.close()
-        raise InvalidInputError(f"Another grid is writing to {path}; wait for it or take another folder.") from None
-    return lock
-
-
 @contextmanager
 def _explained(path: Path) -> Generator[None]:
     """SQLite's errors as ours."""
@@ -216,7 +210,8 @@ def _corrupt(path: Path, why: str) -> InvalidInputError:
     )
 
 
-def _row(values: Any) -> GridRow:
+def row_of(values: Any) -> GridRow:
+    """A line of the table, columns in their order, as a row."""
     table: dict[str, Any] = dict(zip(COLUMNS, values, strict=True))
     table["strict"], table["authors"] = bool(table["strict"]), bool(table["authors"])
     return GridRow(**table)

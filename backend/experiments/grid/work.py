@@ -26,7 +26,7 @@ from backend.tasks.setup import TrialSetup
 def run_job(job: Job, settings: str) -> GridRow:
     """Run a trial to its end; ``settings`` is the grid's hash."""
     begun_s = time.perf_counter()
-    with Episode(job.scenario, job.seed, _setup(job)) as episode:
+    with Episode(job.scenario, job.seed, setup_of_job(job)) as episode:
         start = _start_hash(next(episode.run()))
         motion = episode.setup.motion
         episode.finish()
@@ -58,7 +58,7 @@ def run_job(job: Job, settings: str) -> GridRow:
     )
 
 
-def _setup(job: Job) -> TrialSetup | None:
+def setup_of_job(job: Job) -> TrialSetup | None:
     """How a trial of a trial set begins; None where that is what the seed draws, to the last bit of it."""
     asked = job.conditions
     if asked is None:

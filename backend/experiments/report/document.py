@@ -1,10 +1,11 @@
-"""The report of a grid, as HTML that opens offline, Markdown, LaTeX and CSV."""
+"""The report of a grid, as HTML that opens offline, Markdown, LaTeX, CSV, and JSON for other pages."""
 
 from __future__ import annotations
 
 import html
+import json
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from backend.errors import InvalidInputError, StorageError
@@ -13,7 +14,7 @@ from backend.experiments.grid.row import GridRow
 from backend.experiments.grid.settings import JudgeName
 from backend.experiments.report import tables
 from backend.experiments.report.analysis import Cell, Rows
-from backend.experiments.report.figures import figures, script
+from backend.experiments.report.figures import Figure, as_html, as_table, figures, script
 from backend.experiments.report.pairs import comparisons, odd_pairs
 from backend.experiments.report.table import Table
 from backend.files import replacing
@@ -37,7 +38,7 @@ class Report:
     facts: list[str]
     """What the rows are, one sentence each."""
     tables: list[Table]
-    figures: list[str]
+    figures: list[Figure]
     papers_tables: list[Table]
     """Those of ``tables`` that are the paper's."""
     cells: list[Cell]
@@ -58,16 +59,27 @@ class Report:
             for t in self.tables
             if t.name in LONG
         ]
-        body = "\n".join([*parts[: len(self.papers_tables)], *self.figures, *parts[len(self.papers_tables) :], *folded])
+        body = "\n".join(
+            [*parts[: len(self.papers_tables)], *map(as_html, self.figures), *parts[len(self.papers_tables) :], *folded]
+        )
         return (
             f"<!doctype html><html lang=en><meta charset=utf-8><title>Report of a grid</title><style>{STYLE}</style>"
             f"{script()}<h1>Report of a grid</h1><ul>{facts}</ul>{body}</html>\n"
         )
 
+    def json(self) -> str:
+        """Facts, tables and figures, for a page that shows them in its own way."""
+        listed = [
+            {**asdict(table), "folded": table.name in LONG, "papers": table in self.papers_tables}
+            for table in self.tables
+        ]
+        return json.dumps({"facts": self.facts, "tables": listed, "figures": list(map(as_table, self.figures))})
+
     def write(self, folder: Path) -> list[Path]:
-        """``report.html``, ``report.md``, ``table.tex`` and a CSV per table; raises ``StorageError``."""
+        """``report.html``, ``.md`` and ``.json``, ``table.tex`` and a CSV per table; raises ``StorageError``."""
         latex = "\n".join(table.latex() for table in self.papers_tables)
-        texts = {"report.html": self.html(), "report.md": self.markdown(), "table.tex": latex}
+        texts = {"report.html": self.html(), "report.md": self.markdown(), "report.json": self.json()}
+        texts["table.tex"] = latex
         texts |= {f"{table.name}.csv": table.csv() for table in self.tables}
         try:
             for name, text in texts.items():

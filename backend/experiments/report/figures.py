@@ -1,7 +1,8 @@
-"""The report's figures, by Plotly, as pieces of HTML that share one copy of its script."""
+"""The report's figures, by Plotly, as values that become pieces of HTML sharing one script, or plain JSON."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -16,12 +17,26 @@ COLORS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#99
 HEIGHT_PX = 420
 
 
+Figure = Any
+"""One of Plotly's, whose types it keeps to itself."""
+
+
+def as_html(figure: Figure) -> str:
+    """A piece of HTML; a page needs ``script()`` once before the first."""
+    return str(figure.to_html(full_html=False, include_plotlyjs=False))
+
+
+def as_table(figure: Figure) -> dict[str, Any]:
+    """Data and layout as plain JSON, for Plotly's script."""
+    return json.loads(figure.to_json())
+
+
 def script() -> str:
     """Plotly itself, so that the report opens without a network."""
     return f"<script>{offline.get_plotlyjs()}</script>"
 
 
-def figures(rows: Rows, linear: Rows, cells: Sequence[Cell]) -> list[str]:
+def figures(rows: Rows, linear: Rows, cells: Sequence[Cell]) -> list[Figure]:
     """Success by task, distance, speed and object; reasons of failure; cycle times. One panel for each robot."""
     distance = "Success against distance of the belt from the base (linear motion)"
     return [
@@ -34,7 +49,7 @@ def figures(rows: Rows, linear: Rows, cells: Sequence[Cell]) -> list[str]:
     ]
 
 
-def _success(rows: Rows, cells: Sequence[Cell]) -> str:
+def _success(rows: Rows, cells: Sequence[Cell]) -> Figure:
     """Bars with intervals; a line across each is what the paper reports."""
 
     def draw(robot: str, method: str) -> list[Any]:
@@ -50,7 +65,7 @@ def _success(rows: Rows, cells: Sequence[Cell]) -> str:
     return _panels(rows, "Success by task, with 95 % intervals; lines are the paper's", "", "success", draw)
 
 
-def _shares(rows: Rows, shares: Sequence[Share], title: str, unit: str, *, bars: bool = False) -> str:
+def _shares(rows: Rows, shares: Sequence[Share], title: str, unit: str, *, bars: bool = False) -> Figure:
     def draw(robot: str, method: str) -> list[Any]:
         own = [share for share in shares if (share.robot, share.method) == (robot, method)]
         kinds, rates = [share.kind for share in own], [share.success for share in own]
@@ -59,7 +74,7 @@ def _shares(rows: Rows, shares: Sequence[Share], title: str, unit: str, *, bars:
     return _panels(rows, title, unit, "success", draw)
 
 
-def _reasons(rows: Rows) -> str:
+def _reasons(rows: Rows) -> Figure:
     """Stacked by reason, one bar per method."""
     counts = rows.reasons()
     names = sorted({reason for counter in counts.values() for reason in counter})
@@ -75,7 +90,7 @@ def _reasons(rows: Rows) -> str:
     return _done(figure, "Failures by the strict rule", "share of trials")
 
 
-def _cycles(rows: Rows) -> str:
+def _cycles(rows: Rows) -> Figure:
     def draw(robot: str, method: str) -> list[Any]:
         means = [row.cycle_mean_ms for row in rows.all if (row.robot, row.method) == (robot, method)]
         return [_go.Box(y=[mean for mean in means if mean is not None], boxpoints=False)]
@@ -83,7 +98,7 @@ def _cycles(rows: Rows) -> str:
     return _panels(rows, "Mean wall time of a trial's cycles", "", "ms", draw)
 
 
-def _panels(rows: Rows, title: str, x: str, y: str, draw: Callable[[str, str], list[Any]]) -> str:
+def _panels(rows: Rows, title: str, x: str, y: str, draw: Callable[[str, str], list[Any]]) -> Figure:
     """One panel per robot, one colour per method."""
     figure = subplots.make_subplots(cols=len(rows.robots), shared_yaxes=True, subplot_titles=rows.robots)
     for column, robot in enumerate(rows.robots, start=1):
@@ -112,7 +127,7 @@ def _errors(rates: Sequence[Interval]) -> dict[str, Any]:
     return {"type": "data", "array": up, "arrayminus": down, "thickness": 1, "width": 2}
 
 
-def _done(figure: Any, title: str, y: str) -> str:
+def _done(figure: Figure, title: str, y: str) -> Figure:
     figure.update_layout(title=title, template="plotly_white", height=HEIGHT_PX)
     figure.update_yaxes(title=y, col=1, rangemode="tozero")
-    return str(figure.to_html(full_html=False, include_plotlyjs=False))
+    return figure
