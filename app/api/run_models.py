@@ -104,6 +104,13 @@ class Row(BaseModel):
     finished: str
 
 
+class LinkedRow(Row):
+    """One trial of a list."""
+
+    link: str | None
+    """Address on this server that opens exactly this trial in the scene; null where there is none."""
+
+
 class RowWish(BaseModel):
     """Which rows, and how many of them."""
 
@@ -134,7 +141,7 @@ class RowPage(BaseModel):
     total: int
     """Rows that fit the filter."""
     offset: int
-    rows: list[Row]
+    rows: list[LinkedRow]
 
 
 class RowState(BaseModel):

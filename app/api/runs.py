@@ -11,6 +11,7 @@ from app.api.run_models import (
     Choice,
     EstimateState,
     GridChoices,
+    LinkedRow,
     ReportState,
     Row,
     RowPage,
@@ -21,7 +22,7 @@ from app.api.run_models import (
     RunSummary,
 )
 from app.permalink import address_of
-from app.runs.again import Replay, replay_of
+from app.runs.again import Replay, link_to, replay_of, restart_of
 from app.runs.look import Look
 from app.runs.runs import Runs
 from app.runs.shelf import NAME
@@ -105,7 +106,12 @@ def runs_router(runs: Runs, session: Session) -> APIRouter:
     def rows(name: RunName, wish: Annotated[RowWish, Query()]) -> RowPage:
         """The rows that fit, page by page."""
         total, found = runs.rows(name, wish.wanted(), wish.offset, wish.limit, wish.order)
-        return RowPage(total=total, offset=wish.offset, rows=[Row.model_validate(row) for row in found])
+        try:
+            plan = runs.plan(name)
+        except GraspingError:
+            plan = None
+        rows = [LinkedRow(**asdict(row), link=None if plan is None else link_to(plan, row)) for row in found]
+        return RowPage(total=total, offset=wish.offset, rows=rows)
 
     @router.get("/runs/{name}/rows/{robot}/{task}/{object}/{method}/{index}")
     def row(
@@ -121,7 +127,7 @@ def runs_router(runs: Runs, session: Session) -> APIRouter:
         link, why = None, ""
         replay: Replay = "elsewhere"
         try:
-            restart = runs.replay(name, found)
+            restart = restart_of(runs.plan(name), found)
             link, replay = address_of(restart), replay_of(restart, found, session.state)
         except GraspingError as error:
             why = str(error)
