@@ -43,7 +43,8 @@ async function show(body, found, Plotly) {
   const papers = found.tables.filter((table) => table.papers).map(tableNode);
   const folded = found.tables.filter((table) => table.folded).map((table) => el("details", {}, el("summary", {}, table.title), tableNode(table)));
   const plots = found.figures.map(() => el("div", { class: "plot" }));
-  body.replaceChildren(el("ul", {}, found.facts.map((fact) => el("li", {}, fact.replaceAll("`", "")))), ...papers, ...plots, ...plain, ...folded);
+  body.replaceChildren(el("ul", {}, found.facts.map((fact) => el("li", {}, fact.replaceAll("`", "")))), ...papers,
+    ...plots.flatMap((plot, i) => [el("h3", {}, found.figures[i].layout.title?.text ?? ""), plot]), ...plain, ...folded);
   for (const [i, figure] of found.figures.entries()) await Plotly.newPlot(plots[i], inked(figure.data), themed(figure.layout), { responsive: true, displaylogo: false });
 }
 
@@ -56,7 +57,7 @@ function tableNode(table) {
 
 function themed(layout) {
   const style = getComputedStyle(document.documentElement), color = (name) => style.getPropertyValue(name).trim();
-  const out = { ...layout, paper_bgcolor: "transparent", plot_bgcolor: "transparent", font: { color: color("--text") } };
+  const out = { ...layout, title: undefined, height: 400, margin: { l: 55, r: 20, t: 35, b: 50 }, paper_bgcolor: "transparent", plot_bgcolor: "transparent", font: { color: color("--text") } };
   for (const name of Object.keys(layout).filter((key) => /^[xy]axis\d*$/.test(key))) out[name] = { ...layout[name], gridcolor: color("--line"), zerolinecolor: color("--line") };
   if (innerWidth < 720) out.legend = { orientation: "h", y: -0.25 };
   return out;
