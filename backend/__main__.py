@@ -1,4 +1,4 @@
-"""The headless command line: trial, grid, merge, export, trials, survey, replay, build, report, object, ..."""
+"""The headless command line: trial, grid, merge, export, trials, survey, replay, render, build, ..."""
 
 import gc
 import sys

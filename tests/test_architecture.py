@@ -16,6 +16,7 @@ HEAVY = {
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": {"backend/experiments/executors/ray.py"},
     "duckdb": set[str](),
+    "imageio_ffmpeg": {"backend/film/writing.py"},
     "pebble": {"backend/experiments/executors/local.py"},
     "plotly": {"backend/experiments/report/figures.py"},
     "pyarrow": {"backend/experiments/grid/tables.py"},

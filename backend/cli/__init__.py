@@ -52,6 +52,13 @@ def _parser() -> argparse.ArgumentParser:
     replay.add_argument("key", nargs="?", metavar="KEY", help="which trial: ROBOT/TASK/OBJECT/METHOD/INDEX")
     _json(replay)
 
+    render = commands.add_parser("render", help="a traced trial as a film, GIF or MP4")
+    render.add_argument("trace", metavar="TRACE", help="as `trial --trace` and the page write it")
+    render.add_argument("--out", required=True, metavar="FILE", help="ends in .gif or .mp4")
+    render.add_argument("--width", type=int, metavar="PX", help="16:9; default: 640 (GIF), 960 (MP4)")
+    render.add_argument("--speed", type=float, default=1.0, metavar="X", help="times that of the trial (default 1)")
+    _json(render)
+
     _grid(commands.add_parser("grid", help="the whole experiment: paired trials, kept row by row, resumable"))
     _merge(commands.add_parser("merge", help="put the rows of a grid's shards together"))
 
