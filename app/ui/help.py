@@ -134,6 +134,8 @@ def keys_html(title: str, rows: tuple[tuple[str, str], ...]) -> str:
 
 
 LINKS = (
-    '<div style="padding:8px;font-size:0.9em">Everything here can be scripted: '
+    '<div style="padding:8px;font-size:0.9em">Many trials at once: '
+    f'<a href="/experiments" target="_blank" rel="noopener" style="color:{css(BRAND)}">experiments</a>. '
+    "Everything here can be scripted: "
     f'<a href="/api/docs" target="_blank" rel="noopener" style="color:{css(BRAND)}">API docs</a>.</div>'
 )

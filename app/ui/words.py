@@ -131,7 +131,15 @@ def note(text: str) -> str:
 
 def link_button(text: str, address: str, copy: bool = False) -> str:
     """HTML of a link that looks like a button; with ``copy`` a click copies the whole address instead."""
-    what = "data-copy" if copy else "download"
+    return _button(text, address, "data-copy" if copy else "download")
+
+
+def page_link(text: str, address: str) -> str:
+    """HTML of a link, that looks like a button, to another page of this server."""
+    return _button(text, address, 'target="_blank" rel="noopener"')
+
+
+def _button(text: str, address: str, what: str) -> str:
     style = (
         f"display:block;margin:6px 12px;padding:5px 10px;border-radius:4px;border:1px solid {css(BRAND)};"
         f"color:{css(LINK)};text-align:center;text-decoration:none;font-size:0.85em"

@@ -70,18 +70,26 @@ def camera_for(marks_m: Array, scene: SceneDescription, width: int, height: int)
 
 def _centred(camera: Camera, marks_m: Array) -> tuple[Camera, bool]:
     """The camera moved sideways until the marks are in the middle of their room; whether they fit in there."""
-    size = np.array([camera.width, camera.height])
-    room = np.array(ROOM) * size
+    room = np.array(ROOM) * (camera.width, camera.height)
     for _ in range(3):
-        seen = camera.project(marks_m)
-        if (seen[:, 2] <= 0.0).any():
+        extent = _extent(camera, marks_m)
+        if extent is None:
             return camera, False
-        low, high = seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)
-        off = 0.5 * (low + high) - room.mean(axis=0)
+        off = extent.mean(axis=0) - room.mean(axis=0)
         depth_m = float(np.linalg.norm(camera.eye_m - camera.aim_m))
         shift_m = off / camera.focal_px * depth_m @ camera.rotation[:2]
         camera = Camera(camera.eye_m + shift_m, camera.aim_m + shift_m, camera.width, camera.height)
-    return camera, bool((high - low <= room[1] - room[0]).all())
+    extent = _extent(camera, marks_m)
+    fits = extent is not None and bool((extent[0] >= room[0] - 1.0).all() and (extent[1] <= room[1] + 1.0).all())
+    return camera, fits
+
+
+def _extent(camera: Camera, marks_m: Array) -> Array | None:
+    """(2, 2) least and largest pixel x, y of points (n, 3); None when one is behind the eye."""
+    seen = camera.project(marks_m)
+    if (seen[:, 2] <= 0.0).any():
+        return None
+    return np.stack([seen[:, :2].min(axis=0), seen[:, :2].max(axis=0)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ LAST_S = 1.5
 """How long the outcome stays."""
 
 
-def shown(takes: Takes, fps: int, speed: float) -> list[Snapshot]:
+def shown(takes: Takes, fps: float, speed: float) -> list[Snapshot]:
     """The snapshot of every picture: time passes ``speed`` times as fast as in the trial, and the last one stays."""
     snapshots, out = takes.snapshots, list[Snapshot]()
     i = 0

@@ -53,6 +53,11 @@ class Painter:
         light = Light(_sun_matrix(sun), sun_map, self._ground)
         return shade(surface, Seen(corners, nearness, which, camera.eye_m), light, FINER)
 
+    def pixel_of(self, point_world: Array) -> Array:
+        """(3,) pixel x and y, and nearness, of a point (3,) in what ``paint`` gives."""
+        x, y, near = self._camera.project(point_world[None])[0]
+        return np.array([x / FINER, y / FINER, near])
+
     def _covered(self, corners: Array, shape: tuple[int, int]) -> tuple[Array, Ints]:
         nearness, which = np.zeros(shape), np.full(shape, NOTHING, dtype=np.int32)
         cover(corners, self._stage.faces, self._stage.sheer, nearness, which)

@@ -23,7 +23,7 @@ SAMPLES = 6
 _ffmpeg: Any = imageio_ffmpeg
 
 
-def write_film(path: Path, pictures: Iterable[Pixels], fps: int) -> None:
+def write_film(path: Path, pictures: Iterable[Pixels], fps: float) -> None:
     """The pictures, all of one size with even sides, as a film that is there whole or not at all.
 
     Raises ``InvalidInputError`` for another ending, or when it can't be written.
@@ -39,7 +39,7 @@ def write_film(path: Path, pictures: Iterable[Pixels], fps: int) -> None:
         raise InvalidInputError(f"Cannot write the film to {path}: {error.strerror or error}.") from error
 
 
-def _write_gif(path: Path, pictures: list[Pixels], fps: int) -> None:
+def _write_gif(path: Path, pictures: list[Pixels], fps: float) -> None:
     """One set of colours for the whole film, so that nothing flickers; only what has moved is kept of a picture."""
     chosen = np.concatenate([pictures[i] for i in np.linspace(0, len(pictures) - 1, SAMPLES).astype(int)])
     palette = Image.fromarray(chosen).quantize(COLORS, Image.Quantize.MEDIANCUT)
@@ -50,7 +50,7 @@ def _write_gif(path: Path, pictures: list[Pixels], fps: int) -> None:
         )
 
 
-def _write_mp4(path: Path, pictures: Iterable[Pixels], fps: int) -> None:
+def _write_mp4(path: Path, pictures: Iterable[Pixels], fps: float) -> None:
     with tempfile.TemporaryDirectory() as folder:
         aside = Path(folder) / "film.mp4"
         writer: Any = None

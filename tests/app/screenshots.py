@@ -1,12 +1,16 @@
-"""Pictures of the page with the real engine: ``python -m tests.app.screenshots`` writes ``docs/dashboard_*.png``."""
+"""Pictures of the pages with the real engine: ``python -m tests.app.screenshots`` writes ``docs/dashboard_*.png`` and
+``docs/experiments.png``; names as arguments take only those."""
 
 from __future__ import annotations
 
 import io
 import math
+import sys
+import tempfile
 import time
 from typing import cast
 
+import httpx
 from PIL import Image
 from playwright.sync_api import Browser, Page
 
@@ -17,15 +21,29 @@ PICTURES = (("dashboard_ur5", "ur5_linear_obstacles", "Trial"), ("dashboard_mico
 SCORE = "Lift success"
 NEAR_M = 0.4
 PATIENCE_S = 300.0
+GRID: dict[str, object] = {
+    "name": "first_look",
+    "objects": ["sugar_box"],
+    "methods": ["ours_rm", "baseline", "no_prediction"],
+    "trials": 3,
+}
+MOSTLY = 0.75
+GRID_PATIENCE_S = 1200.0
 
 
 def main() -> None:
-    """One picture per arm, each at a moment when the hand is on its way to the object."""
+    """One picture per arm, each at a moment when the hand is on its way to the object; one of a running grid."""
+    wanted = sys.argv[1:]
     with open_browser() as browser:
         for name, scenario, left in PICTURES:
+            if wanted and name not in wanted:
+                continue
             flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
             with serve(*flags, module=("run_server.py",)) as served:
                 _take(browser, served, name, left)
+        if not wanted or "experiments" in wanted:
+            with tempfile.TemporaryDirectory() as folder:
+                _take_grid(browser, folder)
 
 
 def _take(browser: Browser, served: Served, name: str, left: str) -> None:
@@ -38,10 +56,32 @@ def _take(browser: Browser, served: Served, name: str, left: str) -> None:
         page.mouse.move(640, 60)  # no tooltip in the picture
         _play_to_a_good_moment(served, page)
         time.sleep(3.0)
-        path = ROOT / "docs" / f"{name}.png"
-        picture = Image.open(io.BytesIO(page.screenshot()))
-        picture.convert("RGB").save(path, optimize=True)
-        print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1e3:.0f} kB, seed {served.state()['seed']}")
+        _save(page, name)
+        print(f"seed {served.state()['seed']}")
+
+
+def _take_grid(browser: Browser, folder: str) -> None:
+    """A grid that is begun here, when most of it is done."""
+    runs = f"{folder}/runs"
+    with serve("--paused", "--no-auto-next", "--runs", runs, module=("run_server.py",)) as served:
+        address = served.address + "api/v1/runs"
+        httpx.post(address, json=GRID, timeout=60.0).raise_for_status()
+        deadline = time.monotonic() + GRID_PATIENCE_S
+        while time.monotonic() < deadline:
+            run = httpx.get(f"{address}/{GRID['name']}", timeout=60.0).json()
+            if run["trials"] and run["done"] >= MOSTLY * run["trials"]:
+                break
+            time.sleep(1.0)
+        with open_page(browser, served.address + "experiments") as page:
+            page.locator(".cells").first.wait_for()
+            _save(page, "experiments")
+
+
+def _save(page: Page, name: str) -> None:
+    path = ROOT / "docs" / f"{name}.png"
+    picture = Image.open(io.BytesIO(page.screenshot()))
+    picture.convert("RGB").save(path, optimize=True)
+    print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1e3:.0f} kB")
 
 
 def _play_to_a_good_moment(served: Served, page: Page) -> None:

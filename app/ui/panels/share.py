@@ -12,7 +12,7 @@ from app.state import SessionState
 from app.ui.desk import Answer, Desk
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
-from app.ui.words import link_button, tip
+from app.ui.words import link_button, page_link, tip
 from backend.errors import InvalidInputError
 
 FILES = "/api/v1/session"
@@ -33,6 +33,8 @@ class SharePanel:
         with gui.add_folder("Trial files"):
             gui.add_html(link_button("Download replay (HTML)", f"{FILES}/replay.html"))
             self._outcome = gui.add_html("")
+        with gui.add_folder("Many trials"):
+            gui.add_html(page_link("Experiments", "/experiments"))
         self._linked: tuple[object, object] = (None, None)
         self._upload.on_upload(self._on_upload)
 
