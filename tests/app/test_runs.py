@@ -99,6 +99,20 @@ def test_a_run_is_looked_at_whatever_it_is(tmp_path: Path):
         assert look_at(tmp_path / "half", NOW_S).state == "running"
 
 
+def test_a_second_look_sees_what_has_come_since(tmp_path: Path):
+    jobs = all_jobs(OF)
+    with store_in(tmp_path, OF) as store:
+        before = look_at(tmp_path, NOW_S)
+        assert before.done == 0
+        for job in jobs[:4]:
+            store.add(row_of(job))
+            before = look_at(tmp_path, NOW_S, before)
+            fresh = look_at(tmp_path, NOW_S)
+            assert (before.cells, before.reasons, before.done) == (fresh.cells, fresh.reasons, fresh.done)
+    assert before.done == 4
+    assert look_at(tmp_path, NOW_S, before).cells is before.cells
+
+
 def test_what_was_begun_is_gone_on_with_by_the_same_settings(tmp_path: Path):
     settings = GridSettings(
         robots=("mico",), methods=("ik",), trials=7, set=("sensing.dropout=0.1", "timing.budget_s=0.2")

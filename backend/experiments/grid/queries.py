@@ -56,6 +56,12 @@ class Pace:
     """Until all are there, if it goes on so."""
 
 
+def rows_so_far(store: Store) -> int:
+    """How many there are, without looking at them: rows are never taken away."""
+    ((newest,),) = store.query("SELECT max(rowid) FROM trials")
+    return newest or 0
+
+
 def cell_counts(store: Store) -> list[CellCount]:
     """Every cell that has rows."""
     sql = (

@@ -21,6 +21,7 @@ from backend.experiments.grid.queries import (
     pace_of,
     page_of,
     reason_counts,
+    rows_so_far,
 )
 from backend.experiments.grid.row import GridRow
 from backend.experiments.grid.store import Store
@@ -62,7 +63,7 @@ def test_every_row_is_counted_in_its_cell(store: Store):
         for key, r in own.items()
     }
     assert reason_counts(store) == Counter(row.reason for row in rows() if row.reason)
-    assert trials_of(store.facts) == OF.trials == len(rows())
+    assert trials_of(store.facts) == OF.trials == len(rows()) == rows_so_far(store)
 
 
 WISHES = st.builds(
