@@ -47,6 +47,8 @@ knowledge: setup
 screenshots: setup
 	.ci/chromium
 	$(BIN)/python -m tests.app.screenshots
+	$(BIN)/python -m backend trial mico_sinusoidal --seed 1 --set method=ours_rm --trace build/trial.npz
+	$(BIN)/python -m backend render build/trial.npz --out docs/trial.gif --width 480 --speed 2
 
 clean:
 	rm -rf $(VENV) build *.egg-info .pytest_cache .ruff_cache .hypothesis

@@ -16,7 +16,7 @@ SIDE_RAD = 0.62
 """The view is turned this much from the line between robot and belt, so that neither hides the other."""
 ELEVATION_RAD = 0.5
 NEAREST_M = 0.8
-ROOM = ((0.05, 0.06), (0.95, 0.86))
+ROOM = ((0.05, 0.06), (0.95, 0.82))
 """Part of the picture for what happens, left, top, right and bottom: the caption stands below."""
 
 

@@ -34,8 +34,13 @@ async function refresh() {
   }
 }
 
+// The run in the address; without one, what runs, or else the first that can be read.
+function chosen(at) {
+  return at.run ?? runs.find((run) => run.state === "running")?.name ?? runs.find((run) => run.trials > 0)?.name;
+}
+
 function list(listed) {
-  const here = place.read().run;
+  const at = place.read(), here = at.new ? null : chosen(at);
   const items = listed.runs.map((run) => {
     const readable = run.trials > 0;
     const line = readable ? `${run.done} of ${run.trials}` : run.note.slice(0, 60);
@@ -45,13 +50,15 @@ function list(listed) {
       readable ? bar(run.done / run.trials) : null));
   });
   document.getElementById("runs").replaceChildren(...items);
-  document.getElementById("folder").textContent = `Folder: ${listed.folder}`;
+  const folder = document.getElementById("folder");
+  folder.textContent = `Folder: ${listed.folder.split("/").pop()}`;
+  folder.title = listed.folder;
 }
 
 async function show() {
   const at = place.read();
   if (at.new) return swap("new", () => newRun(choices, runs.map((run) => run.name), refresh));
-  const name = at.run ?? runs.find((run) => run.state === "running")?.name ?? runs.find((run) => run.trials > 0)?.name;
+  const name = chosen(at);
   if (!name) return swap("empty", nothing);
   const run = await ask(`/runs/${encodeURIComponent(name)}`);
   if (place.read().run !== at.run || place.read().new) return; // somebody has gone elsewhere meanwhile

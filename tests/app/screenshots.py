@@ -27,7 +27,7 @@ GRID: dict[str, object] = {
     "methods": ["ours_rm", "baseline", "no_prediction"],
     "trials": 3,
 }
-MOSTLY = 0.75
+SHARE = 0.6
 GRID_PATIENCE_S = 1200.0
 
 
@@ -61,7 +61,7 @@ def _take(browser: Browser, served: Served, name: str, left: str) -> None:
 
 
 def _take_grid(browser: Browser, folder: str) -> None:
-    """A grid that is begun here, when most of it is done."""
+    """A grid that is begun here, when a good part of it is done."""
     runs = f"{folder}/runs"
     with serve("--paused", "--no-auto-next", "--runs", runs, module=("run_server.py",)) as served:
         address = served.address + "api/v1/runs"
@@ -69,7 +69,7 @@ def _take_grid(browser: Browser, folder: str) -> None:
         deadline = time.monotonic() + GRID_PATIENCE_S
         while time.monotonic() < deadline:
             run = httpx.get(f"{address}/{GRID['name']}", timeout=60.0).json()
-            if run["trials"] and run["done"] >= MOSTLY * run["trials"]:
+            if run["trials"] and run["done"] >= SHARE * run["trials"]:
                 break
             time.sleep(1.0)
         with open_page(browser, served.address + "experiments") as page:
