@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, JsonValue
 
 from app.runs.again import Replay
 from app.runs.look import State
@@ -12,10 +12,41 @@ from backend.experiments.grid.queries import MOST_ROWS, Order, Wanted
 from backend.experiments.grid.settings import JudgeName
 
 Word = Annotated[str | None, Field(max_length=64)]
+RUNNING: dict[str, JsonValue] = {
+    "name": "table1",
+    "state": "running",
+    "note": "",
+    "trials": 58800,
+    "done": 1200,
+    "successes": 1012,
+    "errors": 0,
+    "judge": "strict",
+    "own": True,
+    "stopping": False,
+    "per_s": 1.6,
+    "left_s": 36000.0,
+    "last_words": "",
+}
+ESTIMATED: dict[str, JsonValue] = {
+    "trials": 420,
+    "done": 0,
+    "hours": 0.07,
+    "words": "about 4 min",
+    "source": "1.2 s each, as on a core of a server of 2024",
+    "workers": 2,
+}
 
 
-class RunSummary(BaseModel):
+class Answer(BaseModel):
+    """What stands below a field in quotes is its description in the API's documentation."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
+
+class RunSummary(Answer):
     """One run, as the list has it."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [RUNNING]})
 
     name: str
     state: State
@@ -41,7 +72,7 @@ class RunSummary(BaseModel):
     """What the grid said when it ended by an error."""
 
 
-class RunList(BaseModel):
+class RunList(Answer):
     """Answer of /runs."""
 
     folder: str
@@ -49,7 +80,7 @@ class RunList(BaseModel):
     runs: list[RunSummary]
 
 
-class CellState(BaseModel):
+class CellState(Answer):
     """How the trials of one robot, task and method went so far."""
 
     robot: str
@@ -72,7 +103,7 @@ class RunState(RunSummary):
     """How often each reason of failure by the strict rule, the most frequent first."""
 
 
-class Row(BaseModel):
+class Row(Answer):
     """One trial."""
 
     model_config = ConfigDict(from_attributes=True)
@@ -111,7 +142,7 @@ class LinkedRow(Row):
     """Address on this server that opens exactly this trial in the scene; null where there is none."""
 
 
-class RowWish(BaseModel):
+class RowWish(Answer):
     """Which rows, and how many of them."""
 
     model_config = ConfigDict(extra="forbid")
@@ -135,7 +166,7 @@ class RowWish(BaseModel):
         return Wanted(self.robot, self.task, self.object, self.method, success, self.reason, self.judge)
 
 
-class RowPage(BaseModel):
+class RowPage(Answer):
     """Answer of /runs/{name}/rows."""
 
     total: int
@@ -144,7 +175,7 @@ class RowPage(BaseModel):
     rows: list[LinkedRow]
 
 
-class RowState(BaseModel):
+class RowState(Answer):
     """Answer of /runs/{name}/rows/{key}."""
 
     row: Row
@@ -158,8 +189,10 @@ class RowState(BaseModel):
     """The row was made with other code than this server's, so the replay may come out otherwise."""
 
 
-class EstimateState(BaseModel):
+class EstimateState(Answer):
     """What a grid would come to."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [ESTIMATED]})
 
     trials: int
     done: int
@@ -171,7 +204,7 @@ class EstimateState(BaseModel):
     workers: int
 
 
-class ReportState(BaseModel):
+class ReportState(Answer):
     """Answer of /runs/{name}/report."""
 
     rows: int
@@ -183,7 +216,7 @@ class ReportState(BaseModel):
     """Each with Plotly's data and layout."""
 
 
-class Choice(BaseModel):
+class Choice(Answer):
     """A name and what it means."""
 
     name: str
@@ -192,7 +225,7 @@ class Choice(BaseModel):
     """Whether a grid has it unless told otherwise."""
 
 
-class GridChoices(BaseModel):
+class GridChoices(Answer):
     """Answer of /grid: what a new run may say."""
 
     robots: list[Choice]

@@ -43,7 +43,7 @@ RunName = Annotated[str, Path(pattern=NAME, description="Name of a folder among 
 Part = Annotated[str, Path(max_length=64)]
 NEW: dict[str, Any] = {
     "small": {
-        "summary": "An hour's look at three methods",
+        "summary": "Three methods on two tasks: 420 trials",
         "value": {
             "name": "first",
             "robots": ["ur5_robotiq"],

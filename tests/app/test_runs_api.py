@@ -134,6 +134,11 @@ def test_every_path_is_described_with_an_example(served: Served) -> None:
     assert len(paths) == 7
     body = described["paths"]["/api/v1/runs"]["post"]["requestBody"]["content"]["application/json"]
     assert set(body["examples"]) == {"small", "paper"}
+    schemas = described["components"]["schemas"]
+    for name in ("RunSummary", "EstimateState"):
+        (example,) = schemas[name]["examples"]
+        assert set(example) == set(schemas[name]["properties"])
+    assert schemas["RowState"]["properties"]["no_link"]["description"] == "Why there is none."
 
 
 def run_of(served: Served, name: str, ready: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
