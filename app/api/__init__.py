@@ -2,20 +2,25 @@
 
 from fastapi import APIRouter
 
+from app.api.control import control_router
+from app.api.events import events_router
 from app.api.health import health_router
 from app.api.scenarios import scenarios_router
 from app.api.session import session_router
 from app.api.share import share_router
+from app.proxy import Relay
 from app.session import Session
 
 
-def api_router(session: Session) -> APIRouter:
+def api_router(session: Session, relay: Relay) -> APIRouter:
     """Everything under /api/v1."""
     router = APIRouter(prefix="/api/v1")
     for part in (
-        health_router(session),
+        health_router(session, relay),
         scenarios_router(session.engine),
         session_router(session),
+        control_router(session),
+        events_router(session),
         share_router(session),
     ):
         router.include_router(part)
