@@ -137,10 +137,14 @@ class Pace:
 
     async def wait(self) -> None:
         """After each message."""
-        now_s = time.monotonic()
+        debt_s = self.debt_s(time.monotonic())
+        if debt_s > 0.0:
+            await asyncio.sleep(debt_s)
+
+    def debt_s(self, now_s: float) -> float:
+        """Count a message at ``now_s``; how long the next is to wait."""
         self._due_s = max(self._due_s, now_s - BURST / MOST_HZ) + 1.0 / MOST_HZ
-        if self._due_s > now_s:
-            await asyncio.sleep(self._due_s - now_s)
+        return max(0.0, self._due_s - now_s)
 
 
 async def _first_of(*directions: Coroutine[None, None, None]) -> None:

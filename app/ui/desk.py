@@ -46,7 +46,7 @@ class Desk:
         """The last answer, for the status line."""
         self.looks = Looks()
         """Set by wishes only, and so by the dashboard's thread only."""
-        self.who = Who(session.people, lambda text: self.say("Control", text, "blue"))
+        self.who = Who(session.people)
         self._server = server
         self._lock = threading.Lock()
         self._wishes: dict[str, Wish] = {}

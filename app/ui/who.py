@@ -14,8 +14,7 @@ from app.ui.palette import BRAND, QUIET, css
 TAKE = "Take control"
 FIRST = -1e6
 """Order of what stands above all else."""
-Say = Callable[[str], None]
-"""Tells every browser."""
+NOTICE_S = 6.0
 
 
 class Seat:
@@ -23,6 +22,7 @@ class Seat:
 
     def __init__(self, client: viser.ClientHandle, visitor: Visitor, take: Callable[[Visitor], None]) -> None:
         self.visitor = visitor
+        self._client = client
         self._shown = ""
         self._line = client.gui.add_html("", order=FIRST)
         self._button = client.gui.add_button(
@@ -43,13 +43,16 @@ class Seat:
             self._line.content = html
             self._button.visible = driver is not None and driver != self.visitor
 
+    def tell(self, text: str) -> None:
+        """A notification in this browser."""
+        self._client.add_notification("Control", text, auto_close_seconds=NOTICE_S, color="blue")
+
 
 class Who:
     """The browsers that are here, by viser's number for each."""
 
-    def __init__(self, people: People, say: Say) -> None:
+    def __init__(self, people: People) -> None:
         self._people = people
-        self._say = say
         self._lock = threading.Lock()
         self._seats: dict[int, Seat] = {}
         self._driver: Visitor | None = None
@@ -81,15 +84,16 @@ class Who:
         return None
 
     def show(self) -> None:
-        """A few times a second: every browser's line; a change of driver is told to all."""
+        """A few times a second: every browser's line; a change of driver is told to the others."""
         with self._lock:
             seats = list(self._seats.values())
         for seat in seats:
             seat.show(self._people)
         driver = self._people.driver
         if driver != self._driver:
-            if driver is not None and self._driver is not None:
-                self._say(f"{driver.name} drives now.")
+            for seat in seats if driver is not None and self._driver is not None else ():
+                if seat.visitor != driver:
+                    seat.tell(f"{driver.name} drives now.")
             self._driver = driver or self._driver
 
 
