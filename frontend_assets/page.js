@@ -29,7 +29,8 @@ async function whyNotConnected(notServed) {
     const health = await answer.json();
     if (!answer.ok) return health.error;
     const { viewers, most_viewers: most } = health;
-    return notServed && viewers >= most ? `${viewers} browsers are open, and more are not served: close one. ` +
+    const open = viewers === 1 ? "One browser is open" : `${viewers} browsers are open`;
+    return notServed && viewers >= most ? `${open}, and more are not served: close one. ` +
       "This page goes on by itself then." : "";
   } catch {
     return LOST;
