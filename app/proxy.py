@@ -8,7 +8,7 @@ import gzip
 import html
 import re
 import time
-from collections.abc import Coroutine
+from collections.abc import AsyncIterable, Coroutine
 from pathlib import Path
 
 import viser
@@ -60,7 +60,7 @@ def viewer_router(relay: Relay, title: str, nonce: str) -> APIRouter:
     return router
 
 
-class _DeafError(Exception):
+class DeafError(Exception):
     """A browser does not take what it is sent."""
 
 
@@ -99,24 +99,25 @@ class Relay:
             async with viser_side as upstream:
                 await browser.accept(subprotocol=upstream.subprotocol)
                 with contextlib.suppress(ConnectionClosed):
-                    await _first_of(_outbound(upstream, browser), _inbound(browser, upstream))
+                    await _first_of(outbound(upstream, browser), _inbound(browser, upstream))
                 await browser.close(GOING_AWAY, "The viewer has ended this connection.")
         except WebSocketDisconnect:
             return
-        except _DeafError:
+        except DeafError:
             return  # not even a farewell would be taken
         except (OSError, WebSocketException):
             await browser.close(TRY_AGAIN_LATER, "The viewer is not running.")
 
 
-async def _outbound(upstream: ClientConnection, browser: WebSocket) -> None:
+async def outbound(upstream: AsyncIterable[str | bytes], browser: WebSocket, patience_s: float = PATIENCE_S) -> None:
+    """Hand on what viser says; raises ``DeafError`` when the browser takes nothing for ``patience_s``."""
     async for message in upstream:
         assert isinstance(message, bytes)
         try:
-            async with asyncio.timeout(PATIENCE_S):  # viser goes on with the newest once this is taken
+            async with asyncio.timeout(patience_s):  # viser goes on with the newest once this is taken
                 await browser.send_bytes(message)
         except TimeoutError:
-            raise _DeafError from None
+            raise DeafError from None
 
 
 async def _inbound(browser: WebSocket, upstream: ClientConnection) -> None:

@@ -2,6 +2,18 @@
 
 from fastapi.openapi.models import Example
 
+OWN_FILE = """\
+title = "Mine"
+robot = "mico"
+object = "cube"
+method = "ik"
+[task]
+kind = "linear"
+speed_mps = 0.03
+distance_min_m = 0.15
+distance_max_m = 0.4
+"""
+
 
 def _example(summary: str, **fields: object) -> Example:
     return {"summary": summary, "value": fields}
@@ -23,7 +35,7 @@ COMMANDS: dict[str, Example] = {
         "A scenario file of your own",
         kind="restart",
         scenario="mine",
-        file='robot = "mico"\nobject = "cube"\n[task]\nkind = "linear"\nspeed_mps = 0.03\n',
+        file=OWN_FILE,
     ),
     "belt": _example(
         "The belt of the running trial, backwards", kind="apply_event", event={"kind": "set_belt_rate", "rate": -1.0}

@@ -103,9 +103,11 @@ def _own_events(session: Session) -> tuple[object, ...]:
 
 
 def _of_keepsake(session: Session, part: Callable[[Keepsake], bytes], media_type: str, ending: str) -> Response:
-    left = session.state.keepsake
+    state = session.state
+    left = state.keepsake
     if left is None:
-        raise NotFoundError(NOT_OVER)
+        over = state.snapshot is not None and state.snapshot.outcome is not None
+        raise NotFoundError(f"Nothing was kept of this trial. {state.refusals[1]}" if over else NOT_OVER)
     return _file(part(left), media_type, f"{_name(session)}.{ending}")
 
 

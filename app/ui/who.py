@@ -100,13 +100,13 @@ class Who:
 def line_html(visitor: Visitor, driver: Visitor | None, watching: int) -> str:
     """HTML that says who this page is, who drives and how many watch; it carries the page's key for its script."""
     watch = "nobody watches" if watching == 0 else "1 watches" if watching == 1 else f"{watching} watch"
-    if driver == visitor:
-        what, color = f"{visitor.name}: you drive, {watch}", BRAND
-    elif driver is None:
-        what, color = f"{visitor.name}: nobody drives, use any control to", QUIET
+    if driver is None:
+        what, color = "nobody drives, use any control to", QUIET
+    elif driver == visitor:
+        what, color = f"you drive, {watch}", BRAND
     else:
-        what, color = f"{visitor.name}: you watch, {driver.name} drives, {watch}", QUIET
+        what, color = f"you watch, {driver.name} drives, {watch}", QUIET
     return (
         f'<div data-visitor="{escape(visitor.key)}" style="margin:2px 12px;font-size:0.8em;color:{css(color)};'
-        f'font-weight:600">{escape(what)}</div>'
+        f'font-weight:600">{escape(visitor.name)}: {escape(what)}</div>'
     )

@@ -47,7 +47,8 @@ def test_one_drives_one_watches_and_control_changes_hands(browser: Browser) -> N
             wait_for(served, lambda s: s["tick"] == 1)
             place = node_position(first, "/object/body")
             second.wait_for_function(
-                "place => window.__viserMutable.nodeRefFromName['/object/body'].position.y === place", arg=place and place[1]
+                "place => window.__viserMutable.nodeRefFromName['/object/body'].position.y === place",
+                arg=place and place[1],
             )
 
             button(second, "Take control").click()

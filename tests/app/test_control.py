@@ -1,4 +1,4 @@
-"""Laws of several people at one server, without a browser: what the driver does shows everywhere, watchers change nothing."""
+"""Laws of several people at one server, without a browser: one drives, and watchers change nothing."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Laws of who gets in and what is taken in: no foreign page, name or token enters, and nothing sent breaks the server."""
+"""Laws of who gets in and what is taken in: nobody foreign, and nothing that breaks the server."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import schemathesis
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from schemathesis import GenerationMode
+from schemathesis.core.result import Ok
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -30,6 +31,7 @@ from tests.app.viewer_client import PROTOCOL, view
 
 pytestmark = [pytest.mark.timeout(240), pytest.mark.xdist_group("served")]
 TOKEN = "correct; horse=battery"
+SLOW = (HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large)
 PATHS = ("", "viewer/", "api/v1/session", "api/v1/events", "api/docs", "api/openapi.json", "assets/page.js", "open")
 
 
@@ -99,7 +101,7 @@ def test_no_foreign_name_opens_the_websocket(served: Served) -> None:
     ],
 )
 def test_no_wrong_token_enters_anywhere(locked: Served, path: str, offered: dict[str, str]) -> None:
-    headers = [(name, value.encode("latin-1")) for name, value in offered.items()]
+    headers = {name.encode(): value.encode("latin-1") for name, value in offered.items()}
     answer = httpx.get(locked.address + path, headers=headers)
     assert answer.status_code == 401 and "?token=" in answer.json()["error"]
     assert TOKEN not in answer.text and "set-cookie" not in answer.headers
@@ -239,7 +241,9 @@ def garbage(chance: random.Random) -> bytes:
             chance.randbytes(chance.randrange(200)),
             good[: chance.randrange(len(good))],
             msgspec.msgpack.encode(twisted),
-            msgspec.msgpack.encode({"type": chance.choice(["ShareUrlRequest", "", "Message", "__class__"]), "a": value}),
+            msgspec.msgpack.encode(
+                {"type": chance.choice(["ShareUrlRequest", "", "Message", "__class__"]), "a": value}
+            ),
             msgspec.msgpack.encode(value),
             b"\x91" * chance.randrange(10_000),
             b"\x81\xa1a" * chance.randrange(10_000),
@@ -250,7 +254,9 @@ def garbage(chance: random.Random) -> bytes:
 def malformed(chance: random.Random, authority: str) -> bytes:
     """A request as no browser writes it."""
     method = chance.choice(["GET", "POST", "PUT", "OPTIONS", "HEAD", "BREW", "G\x00T", ""])
-    path = chance.choice(["/", "/viewer", "/viewer/", "/open?edits=[[[", "/api/v1/session/commands", "/%", "/\xff", "*"])
+    path = chance.choice(
+        ["/", "/viewer", "/viewer/", "/open?edits=[[[", "/api/v1/session/commands", "/%", "/\xff", "*"]
+    )
     version = chance.choice(["HTTP/1.1", "HTTP/1.0", "HTTP/9.9", "", "HTTP/1.1"])
     lines = [f"Host: {chance.choice([authority, 'evil.example', '[', ''])}"]
     lines += chance.choices(
@@ -311,7 +317,8 @@ def test_whoever_sends_too_much_is_heard_later() -> None:
 @pytest.mark.parametrize("mode", list(GenerationMode))
 def test_nothing_that_the_api_is_asked_is_an_error_of_the_server(served: Served, mode: GenerationMode) -> None:
     schema = schemathesis.openapi.from_url(served.address + "api/openapi.json")
-    operations = [each.ok() for each in schema.exclude(path="/api/v1/events").get_all_operations()]
+    found = schema.exclude(path="/api/v1/events").get_all_operations()
+    operations = [each.ok() for each in found if isinstance(each, Ok)]
     assert len(operations) > 8
     asked = [each for each in operations if each.body] if mode is GenerationMode.NEGATIVE else operations
     assert asked
@@ -323,7 +330,7 @@ def test_nothing_that_the_api_is_asked_is_an_error_of_the_server(served: Served,
 def ask_everything(cases: st.SearchStrategy[Any]) -> None:
     """Ask what fits the API's description, or by its generation mode what does not."""
 
-    @settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=SLOW)
     @given(cases)
     def ask(case: Any) -> None:
         answer = case.call(timeout=10.0)

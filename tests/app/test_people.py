@@ -155,7 +155,9 @@ def test_whatever_happens_at_most_one_drives_and_a_driver_is_here(steps: list[tu
         assert driver in (None, SCRIPT, *here)
         assert people.visitors == len(here)
         assert people.watching == len(here) - (driver in here)
-        assert [visitor for visitor in here if people.may(visitor)] == ([driver] if driver in here else [] if driver else here)
+        assert [visitor for visitor in here if people.may(visitor)] == (
+            [driver] if driver in here else [] if driver else here
+        )
 
 
 def test_the_line_says_who_this_page_is_who_drives_and_how_many_watch() -> None:
