@@ -43,7 +43,7 @@ class SafeHeaders:
             "Content-Security-Policy": policy(nonce),
             "X-Content-Type-Options": "nosniff",
             "X-Frame-Options": "DENY",
-            "Referrer-Policy": "no-referrer",
+            "Referrer-Policy": "same-origin",  # with none at all, browsers keep the Origin of our own forms back
             "Cross-Origin-Opener-Policy": "same-origin",
             "Cross-Origin-Resource-Policy": "same-origin",
         }

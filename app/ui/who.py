@@ -89,12 +89,13 @@ class Who:
             seats = list(self._seats.values())
         for seat in seats:
             seat.show(self._people)
-        driver = self._people.driver
-        if driver != self._driver:
-            for seat in seats if driver is not None and self._driver is not None else ():
-                if seat.visitor != driver:
-                    seat.tell(f"{driver.name} drives now.")
-            self._driver = driver or self._driver
+        driver, before = self._people.driver, self._driver
+        if driver is None or driver == before:
+            return
+        self._driver = driver
+        for seat in seats:
+            if before is not None and seat.visitor != driver:
+                seat.tell(f"{driver.name} drives now.")
 
 
 def line_html(visitor: Visitor, driver: Visitor | None, watching: int) -> str:

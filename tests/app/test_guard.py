@@ -133,7 +133,7 @@ def test_every_answer_forbids_browsers_what_this_page_does_not_need(served: Serv
         rules = answer.headers["content-security-policy"]
         assert "default-src 'none'" in rules and "frame-ancestors 'none'" in rules
         assert answer.headers["x-content-type-options"] == "nosniff"
-        assert answer.headers["referrer-policy"] == "no-referrer"
+        assert answer.headers["referrer-policy"] == "same-origin"
         assert answer.headers["x-frame-options"] == "DENY"
     script = next(part for part in policy("abc").split("; ") if part.startswith("script-src"))
     assert "unsafe-inline" not in script and "'unsafe-eval'" not in script and "http" not in script
