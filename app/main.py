@@ -31,7 +31,7 @@ LARGEST_BODY_BYTES = 1024 * 1024
 ASSETS = Path(__file__).resolve().parent.parent / "frontend_assets"
 
 
-def create_app(session: Session, settings: Settings, viser_port: int) -> FastAPI:
+def create_app(session: Session, settings: Settings, viser_port: int, viser_key: str) -> FastAPI:
     """The application in front of ``session`` and of the viser server on ``127.0.0.1:viser_port``."""
     nonce = new_nonce()
     app = FastAPI(
@@ -47,7 +47,7 @@ def create_app(session: Session, settings: Settings, viser_port: int) -> FastAPI
     app.add_middleware(SafeHeaders, nonce=nonce)
     app.add_exception_handler(GraspingError, _explain_error)
     app.add_exception_handler(RequestValidationError, _explain_validation)
-    relay = Relay(viser_port, settings.max_clients)
+    relay = Relay(viser_port, viser_key, settings.max_clients)
     app.include_router(api_router(session, relay))
     app.include_router(open_router(session))
     app.include_router(docs_router(ASSETS))

@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.typing import Subprotocol
 
 from app.inbound import is_allowed
+from app.ui.start import KEY_HEADER
 
 LARGEST_MESSAGE_BYTES = 50 * 1024 * 1024
 GOING_AWAY = 1001
@@ -67,8 +68,9 @@ class DeafError(Exception):
 class Relay:
     """Carries messages between browsers and viser, the browsers' ones checked."""
 
-    def __init__(self, viser_port: int, max_clients: int) -> None:
-        """To ``127.0.0.1:viser_port``."""
+    def __init__(self, viser_port: int, viser_key: str, max_clients: int) -> None:
+        """To ``127.0.0.1:viser_port``, which opens to ``viser_key``."""
+        self._headers = {KEY_HEADER: viser_key}
         self._address = f"ws://127.0.0.1:{viser_port}"
         self.max_clients = max_clients
         self.clients = 0
@@ -91,6 +93,7 @@ class Relay:
         viser_side = connect(
             self._address,
             subprotocols=protocols,
+            additional_headers=self._headers,
             max_size=LARGEST_MESSAGE_BYTES,
             compression=None,
             proxy=None,

@@ -45,7 +45,7 @@ def serve(settings: Settings, listener: socket.socket, engine: Engine | None = N
 
 
 def _serve_web(session: Session, dashboard: Dashboard, settings: Settings, listener: socket.socket) -> None:
-    app = create_app(session, settings, dashboard.server.get_port())
+    app = create_app(session, settings, dashboard.server.get_port(), dashboard.key)
     config = uvicorn.Config(
         app,
         http="h11",

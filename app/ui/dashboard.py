@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import secrets
 import threading
 import time
 from dataclasses import replace
@@ -39,7 +40,9 @@ class Dashboard:
 
     def __init__(self, session: Session, auto_next: bool, low_fx: bool, tour: bool) -> None:
         self._session = session
-        self.server = start_viser()
+        self.key = secrets.token_urlsafe(24)
+        """Opens the viser server."""
+        self.server = start_viser(self.key)
         self._camera = CameraKeeper(self.server, session)
         memory = Memory()
         self._theme, self._guide = Theme(memory), Guide(memory, tour)

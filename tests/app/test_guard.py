@@ -24,6 +24,7 @@ from app.inbound import LARGEST_MESSAGE_BYTES, LARGEST_UPLOAD_BYTES, is_allowed
 from app.main import LARGEST_BODY_BYTES
 from app.proxy import BURST, MOST_HZ, Pace
 from app.settings import Settings, read_settings
+from app.ui.start import KEY_HEADER, start_viser
 from backend.errors import InvalidInputError
 from tests.app.served import Served, serve
 from tests.app.test_proxy import wait_for
@@ -105,6 +106,22 @@ def test_no_wrong_token_enters_anywhere(locked: Served, path: str, offered: dict
     answer = httpx.get(locked.address + path, headers=headers)
     assert answer.status_code == 401 and "?token=" in answer.json()["error"]
     assert TOKEN not in answer.text and "set-cookie" not in answer.headers
+
+
+def test_viser_itself_lets_in_nobody_but_the_dashboard() -> None:
+    server = start_viser("the key")
+    port = server.get_port()
+    try:
+        assert httpx.get(f"http://127.0.0.1:{port}/").status_code == 403
+        for headers in ({}, {KEY_HEADER: "another"}, {"Origin": f"http://127.0.0.1:{port}"}):
+            with pytest.raises(InvalidStatus, match="403"):
+                connect(f"ws://127.0.0.1:{port}", subprotocols=[PROTOCOL], additional_headers=headers, proxy=None)
+        with connect(
+            f"ws://127.0.0.1:{port}", subprotocols=[PROTOCOL], additional_headers={KEY_HEADER: "the key"}, proxy=None
+        ) as known:
+            assert known.recv(5.0)
+    finally:
+        server.stop()
 
 
 def test_no_wrong_token_opens_the_websocket(locked: Served) -> None:
