@@ -169,3 +169,43 @@ def test_a_link_restarts_what_somebody_else_drives_only_when_that_is_wanted(serv
         with view(served.authority) as newcomer:
             line(newcomer, "you drive")
             line(driver, "you watch")
+
+
+def drag(viewer: ViewerClient, name: str) -> None:
+    """Push a thing about by 10 cm."""
+    for phase, shift_m in (("start", 0.0), ("update", 0.05), ("end", 0.1)):
+        viewer.send(
+            "SceneNodeDragMessage",
+            phase=phase,
+            name=name,
+            instance_index=None,
+            start_position=[0.65, -0.3, 0.05],
+            start_screen_pos=[0.5, 0.5],
+            end_position=[0.65 + shift_m, -0.3, 0.05],
+            end_screen_pos=[0.5, 0.5],
+            button="left",
+            modifier=None,
+        )
+
+
+def test_a_watcher_pushes_nothing_about_and_hides_nothing(served: Served) -> None:
+    with view(served.authority) as driver, view(served.authority) as watcher:
+        line(driver, "you drive")
+        line(watcher, "you watch")
+        driver.wait_for("MeshMessage", name="/obstacles/0")
+        obstacles = watcher.widget("GuiCheckboxMessage", "Obstacles")
+        driver.messages.clear()
+        watcher.set(obstacles, False)
+        watcher.wait_for("GuiUpdateMessage", uuid=obstacles, updates={"value": True})
+        drag(watcher, "/obstacles/0")
+        assert "you watch" in watcher.notice()[1]
+        driver.receive()
+        about = [message for message in driver.messages if message.get("name", "").startswith("/obstacles")]
+        assert not any(message["type"] == "SetSceneNodeVisibilityMessage" for message in about)
+        places = [message["position"][0] for message in about if message["type"] == "SetPositionMessage"]
+        assert places == pytest.approx([0.65] * len(places)) and served.state()["live_edits"] == 0
+        drag(driver, "/obstacles/0")
+        wait_for(served, live_edits=1)
+        driver.set(obstacles, False)
+        watcher.wait_for("SetSceneNodeVisibilityMessage", name="/obstacles", visible=False)
+        driver.set(obstacles, True)
