@@ -8,6 +8,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.staticfiles import StaticFiles
+from starlette.exceptions import HTTPException
 
 from app.api import api_router
 from app.api.docs import docs_router
@@ -47,6 +48,7 @@ def create_app(session: Session, settings: Settings, viser_port: int, viser_key:
     app.add_middleware(SafeHeaders, nonce=nonce)
     app.add_exception_handler(GraspingError, _explain_error)
     app.add_exception_handler(RequestValidationError, _explain_validation)
+    app.add_exception_handler(HTTPException, _explain_status)
     relay = Relay(viser_port, viser_key, settings.max_clients)
     app.include_router(api_router(session, relay))
     app.include_router(open_router(session))
@@ -60,6 +62,12 @@ def _explain_error(_: Request, error: Exception) -> JSONResponse:
     """404 for what does not exist, 409 when it is down or somebody else drives, 422 for what cannot be used."""
     statuses: dict[type[Exception], int] = {NotFoundError: 404, SimulationDownError: 409, NotDrivingError: 409}
     return JSONResponse({"error": str(error)}, status_code=statuses.get(type(error), 422))
+
+
+def _explain_status(_: Request, error: Exception) -> JSONResponse:
+    """What the framework itself refuses, in the words that everything else is refused in."""
+    assert isinstance(error, HTTPException)
+    return JSONResponse({"error": str(error.detail)}, status_code=error.status_code, headers=error.headers)
 
 
 def _explain_validation(_: Request, error: Exception) -> JSONResponse:

@@ -1,6 +1,7 @@
 """The HTTP interface, version 1: what exists, what runs, and commands to it."""
 
 from fastapi import APIRouter
+from pydantic import BaseModel
 
 from app.api.control import control_router
 from app.api.events import events_router
@@ -12,9 +13,16 @@ from app.proxy import Relay
 from app.session import Session
 
 
+class Complaint(BaseModel):
+    """Answer to what cannot be done."""
+
+    error: str
+    """What is wrong and where, or who drives and how to take over."""
+
+
 def api_router(session: Session, relay: Relay) -> APIRouter:
     """Everything under /api/v1."""
-    router = APIRouter(prefix="/api/v1")
+    router = APIRouter(prefix="/api/v1", responses={status: {"model": Complaint} for status in (404, 409, 422)})
     for part in (
         health_router(session, relay),
         scenarios_router(session.engine),

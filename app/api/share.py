@@ -39,7 +39,7 @@ def open_router(session: Session) -> APIRouter:
         if driver is None or driver in (page_beside, NEWCOMER):
             return begin(request)
         why = f"{driver.name} drives just now, and this link would restart what everybody sees."
-        return _sorry(why, 409, _form("Take control and open it"))
+        return _sorry(why, 409, "Somebody else drives", _form("Take control and open it"))
 
     @router.post(PATH, include_in_schema=False)
     def take_and_open(request: Request) -> Response:
@@ -128,11 +128,11 @@ def _form(label: str) -> str:
     return f'<form method="post"><button>{html.escape(label)}</button></form>'
 
 
-def _sorry(text: str, status: int, way_out: str = "") -> HTMLResponse:
+def _sorry(text: str, status: int, heading: str = "This link cannot be opened", way_out: str = "") -> HTMLResponse:
     page = (
         '<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
         '<title>Dynamic grasping</title><link rel="stylesheet" href="/assets/page.css">'
-        '<main class="sorry"><h1>This link cannot be opened</h1>'
+        f'<main class="sorry"><h1>{html.escape(heading)}</h1>'
         f'<p class="why">{html.escape(text)}</p>{way_out}'
         '<p><a href="/viewer/">Open the dashboard as it is</a></p></main>'
     )
