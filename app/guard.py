@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hmac
+import ipaddress
+import socket
+from dataclasses import dataclass
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
@@ -10,16 +13,57 @@ from starlette.datastructures import Headers
 from starlette.responses import JSONResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from app.settings import Settings, is_loopback
+
 COOKIE = "grasping_token"
+
+
+@dataclass(frozen=True)
+class Hosts:
+    """By which names this server may be asked for: any other may be a foreign one, resolved to this machine."""
+
+    names: frozenset[str]
+    addresses: bool
+    """Any IP address will do: no foreign name is one."""
+
+    @property
+    def refusal(self) -> str:
+        also = " and to IP addresses" if self.addresses else ""
+        return f"This server answers to {', '.join(sorted(self.names))}{also} only; add names with --host-names."
+
+    def include(self, header: str) -> bool:
+        """``header`` as in Host, port included."""
+        try:
+            name = urlsplit("//" + header).hostname or ""
+        except ValueError:
+            return False
+        return name in self.names or (self.addresses and _is_address(name))
+
+
+def hosts_of(settings: Settings) -> Hosts:
+    """On a loopback address this machine's own names; else its name, its addresses, and what the settings add."""
+    added = {name.strip().lower() for name in settings.host_names.split(",") if name.strip()}
+    if is_loopback(settings.host):
+        return Hosts(frozenset({"localhost", "127.0.0.1", "::1", *added}), addresses=False)
+    own = socket.gethostname().lower()
+    return Hosts(frozenset({"localhost", own, f"{own}.local", settings.host.lower(), *added}), addresses=True)
+
+
+def _is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
 
 
 class Guard:
     """ASGI middleware around the whole application."""
 
-    def __init__(self, app: ASGIApp, *, token: str | None, loopback: bool) -> None:
+    def __init__(self, app: ASGIApp, *, token: str | None, hosts: Hosts) -> None:
         self._app = app
         self._token = token
-        self._loopback = loopback  # the server listens on this machine only: honest requests name it
+        self._hosts = hosts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
@@ -36,8 +80,8 @@ class Guard:
 
     def _objection(self, scope: Scope) -> Response | None:
         headers = Headers(scope=scope)
-        if self._loopback and not _names_this_machine(headers.get("host", "")):
-            return _refusal(403, "This server answers to localhost and 127.0.0.1 only.")
+        if not self._hosts.include(headers.get("host", "")):
+            return _refusal(403, self._hosts.refusal)
         if _is_foreign(headers):
             return _refusal(403, "This page was asked for by another site.")
         if self._token is None or self._is_known(headers):
@@ -76,9 +120,4 @@ def _cookie(header: str) -> str:
 def _is_foreign(headers: Headers) -> bool:
     """Whether a browser says that a page of another host sent this; no Origin means no browser page did."""
     origin = headers.get("origin")
-    return origin is not None and urlsplit(origin).netloc != headers.get("host")
-
-
-def _names_this_machine(host: str) -> bool:
-    """``host`` as in the Host header, port included; guards against a foreign name resolved to 127.0.0.1."""
-    return (urlsplit("//" + host).hostname or "") in ("localhost", "127.0.0.1", "::1")
+    return origin is not None and origin not in {f"{scheme}://{headers.get('host')}" for scheme in ("http", "https")}

@@ -1,69 +1,130 @@
-"""What a browser may say to viser: a viewer's messages, never those that open tunnels or set internals."""
+"""What a browser may say to viser: a viewer's messages, whole and of bounded size; never what opens tunnels."""
 
 from __future__ import annotations
 
 import math
-from typing import cast
+from typing import Annotated, Literal, cast
 
 import msgspec
+from msgspec import Meta
 
 LARGEST_UPLOAD_BYTES = 256 * 1024
-ALLOWED = frozenset(
-    {
-        "ViewerCameraMessage",
-        "GuiUpdateMessage",
-        "GuiFormSubmitMessage",
-        "GuiFormDirtyMessage",
-        "CommandTriggerMessage",
-        "ScenePointerMessage",
-        "SceneNodeClickMessage",
-        "SceneNodeDragMessage",
-        "TransformControlsUpdateMessage",
-        "TransformControlsDragStartMessage",
-        "TransformControlsDragEndMessage",
-        "GetRenderResponseMessage",
-        "LocalStorageGetItemResponseMessage",
-        "FileTransferStartUpload",
-        "FileTransferPart",
-    }
+LARGEST_MESSAGE_BYTES = LARGEST_UPLOAD_BYTES + 4096
+"""Of the websocket; a longer one ends the connection."""
+
+Name = Annotated[str, Meta(max_length=200)]
+Text = Annotated[str, Meta(max_length=1000)]
+Point = tuple[float, float, float]
+Pixel = tuple[float, float]
+Scalar = bool | int | float | Text | None
+Modifier = Name | None
+
+
+class Said(msgspec.Struct, tag_field="type", forbid_unknown_fields=True):
+    """A message as viser's own browser page writes it."""
+
+
+class Camera(Said, tag="ViewerCameraMessage"):
+    wxyz: tuple[float, float, float, float]
+    position: Point
+    fov: float
+    near: float
+    far: float
+    image_height: int
+    image_width: int
+    look_at: Point
+    up_direction: Point
+
+
+class Value(msgspec.Struct, forbid_unknown_fields=True):
+    """The only property of a widget that a browser may set."""
+
+    value: Scalar | Annotated[list[Scalar], Meta(max_length=16)]
+
+
+class Update(Said, tag="GuiUpdateMessage"):
+    uuid: Name
+    updates: Value
+
+
+class Trigger(Said, tag="CommandTriggerMessage"):
+    uuid: Name
+
+
+class Click(Said, tag="SceneNodeClickMessage"):
+    name: Name
+    instance_index: int | None
+    ray_origin: Point
+    ray_direction: Point
+    screen_pos: Pixel
+    modifier: Modifier
+    owner: Name = ""
+
+
+class Drag(Said, tag="SceneNodeDragMessage"):
+    phase: Literal["start", "update", "end"]
+    name: Name
+    instance_index: int | None
+    start_position: Point
+    start_screen_pos: Pixel
+    end_position: Point
+    end_screen_pos: Pixel
+    button: Literal["left", "middle", "right"]
+    modifier: Modifier
+    owner: Name = ""
+
+
+class Gizmo(Said, tag="TransformControlsUpdateMessage"):
+    name: Name
+    wxyz: tuple[float, float, float, float]
+    position: Point
+    owner: Name = ""
+
+
+class GizmoGrabbed(Said, tag="TransformControlsDragStartMessage"):
+    name: Name
+    owner: Name = ""
+
+
+class GizmoDropped(Said, tag="TransformControlsDragEndMessage"):
+    name: Name
+    owner: Name = ""
+
+
+class Stored(Said, tag="LocalStorageGetItemResponseMessage"):
+    value: Name | None
+    error: Text | None
+    request_uuid: Name
+
+
+class UploadStart(Said, tag="FileTransferStartUpload"):
+    source_component_uuid: Name
+    transfer_uuid: Name
+    filename: Name
+    mime_type: Name
+    part_count: Annotated[int, Meta(ge=0, le=1)]
+    size_bytes: Annotated[int, Meta(ge=0, le=LARGEST_UPLOAD_BYTES)]
+
+
+class UploadPart(Said, tag="FileTransferPart"):
+    source_component_uuid: Name | None
+    transfer_uuid: Name
+    part_index: Annotated[int, Meta(ge=0, le=0)]
+    content: Annotated[bytes, Meta(max_length=LARGEST_UPLOAD_BYTES)]
+
+
+Allowed = (
+    Camera | Update | Trigger | Click | Drag | Gizmo | GizmoGrabbed | GizmoDropped | Stored | UploadStart | UploadPart
 )
 
 
 def is_allowed(raw: bytes) -> bool:
-    """Whether ``raw`` is a well-formed viewer message of a kind that this page uses."""
+    """Whether ``raw`` is a whole viewer message of a kind that this page uses, with finite numbers only."""
     try:
-        message: object = msgspec.msgpack.decode(raw)
-    except msgspec.DecodeError:
+        msgspec.msgpack.decode(raw, type=Allowed)
+        return _is_finite(msgspec.msgpack.decode(raw))
+    except (msgspec.DecodeError, RecursionError):
         return False
-    if not isinstance(message, dict):
-        return False
-    fields = cast("dict[object, object]", message)
-    if fields.get("type") not in ALLOWED or not _is_finite(fields):
-        return False
-    if fields["type"] == "GuiUpdateMessage":
-        updates = fields.get("updates")
-        return isinstance(updates, dict) and set(cast("dict[object, object]", updates)) == {"value"}
-    return _is_small(fields)
-
-
-def _is_small(fields: dict[object, object]) -> bool:
-    """Whether an upload is no larger than a scenario file may be, and what is stored no longer than we store."""
-    match fields:
-        case {
-            "type": "FileTransferStartUpload",
-            "part_count": int(parts),
-            "size_bytes": int(size),
-            "filename": str(name),
-        }:
-            return 0 <= parts <= 1 and 0 <= size <= LARGEST_UPLOAD_BYTES and len(name) <= 200
-        case {"type": "FileTransferPart", "content": bytes(content), "part_index": 0}:
-            return len(content) <= LARGEST_UPLOAD_BYTES
-        case {"type": "LocalStorageGetItemResponseMessage", "value": str(value)}:
-            return len(value) <= 200
-        case {"type": "FileTransferStartUpload" | "FileTransferPart"}:
-            return False
-        case _:
-            return True
 
 
 def _is_finite(value: object) -> bool:

@@ -13,6 +13,7 @@ from typing import Any
 from app.commands import ApplyEvent, Command, GoOn, LookBack, Restart, SetPaused, StepOnce
 from app.engine import Engine
 from app.history import History, Moment
+from app.people import People
 from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started
 from app.state import SessionState, SimulationDownError, cause_of_end
 from app.worker import run_process
@@ -26,6 +27,9 @@ class Session:
     def __init__(self, engine: Engine, first: Restart, paused: bool = False) -> None:
         """Raises ``GraspingError`` when ``first`` cannot be run. Starts nothing."""
         self.engine = engine
+        self.people = People()
+        self.closing = threading.Event()
+        """Set when the server ends, for whoever waits for news."""
         self._lock = threading.Condition()
         self._sending = threading.Lock()
         self._process: SpawnProcess | None = None

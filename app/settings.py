@@ -20,8 +20,10 @@ class Settings(Config):
     """Address to listen on; anything beyond this machine needs a token."""
     port: Annotated[int, Field(ge=0, le=65535)] = 8080
     """TCP port; 0 takes any free one and says which."""
-    token: Annotated[str, Field(min_length=8)] | None = None
-    """Secret of at least 8 characters that a browser must bring once, as ?token=..."""
+    token: Annotated[str, Field(min_length=8, max_length=200, pattern=r"^[ -~]*$")] | None = None
+    """Secret of at least 8 plain characters that a browser must bring once, as ?token=..."""
+    host_names: str = ""
+    """Further host names under which it may be asked for, with commas between."""
     scenario: str = "ur5_linear"
     """First scenario, a file name in scenarios/ without its ending."""
     seed: Annotated[int, Field(ge=0, le=2**31 - 1)] = 0

@@ -135,8 +135,8 @@ class Worker:
             self._episode, self._last, self._ticks = None, None, iter(())
         try:
             self._episode = self._engine.make_episode(restart)
-        except GraspingError as error:
-            self._report(Refused(str(error)))
+        except (GraspingError, OSError) as error:
+            self._report(Refused(f"The trial cannot begin: {error}" if isinstance(error, OSError) else str(error)))
             return
         self._run += 1
         self._reported_cycle = 0
@@ -158,7 +158,16 @@ class Worker:
             self._report_snapshot(self._last)
             self._next_report_s = max(self._next_report_s, now - LARGEST_BURST_S) + REPORT_INTERVAL_S
         if self._last.outcome is not None and self._episode is not None:
-            self._report(Ended(self._run, self._episode.keepsake()))
+            self._report_end(self._episode)
+
+    def _report_end(self, episode: Running) -> None:
+        """A trial that leaves nothing, as on a full disk, has ended all the same."""
+        try:
+            keepsake = episode.keepsake()
+        except (GraspingError, OSError) as error:
+            self._report(Refused(f"The trial's trace and outcome could not be kept: {error}"))
+        else:
+            self._report(Ended(self._run, keepsake))
 
     def _report_snapshot(self, snapshot: Snapshot) -> None:
         self._reported_tick = snapshot.tick

@@ -1,5 +1,55 @@
-// What viser's page cannot do by itself: copy a link, and look back by a click on the timeline.
+// What viser's page cannot do by itself: copy a link, look back by a click on the timeline, and say why it stands still.
 "use strict";
+
+let visitor = ""; // this page's key, as the server has told it
+
+const banner = document.createElement("div");
+banner.setAttribute("role", "alert");
+banner.style.cssText = "position:fixed;top:12px;left:50%;transform:translateX(-50%);z-index:10000;max-width:80vw;" +
+  "padding:10px 16px;border-radius:6px;background:#c92a2a;color:#fff;font:14px system-ui,sans-serif;display:none";
+
+function say(text) {
+  if (!banner.isConnected) document.body.append(banner);
+  if (banner.textContent !== text) banner.textContent = text;
+  banner.style.display = text ? "block" : "none";
+}
+
+let refusal = "";
+function refuse(text) {
+  say(refusal = text);
+  setTimeout(() => { if (refusal === text) say(refusal = ""); }, 6000);
+}
+
+const LOST = "The server does not answer: it has ended, or the network is down. " +
+  "This page goes on by itself as soon as it is there again.";
+
+async function whyNotConnected(notServed) {
+  try {
+    const answer = await fetch("/api/v1/health", { signal: AbortSignal.timeout(3000) });
+    const health = await answer.json();
+    if (!answer.ok) return health.error;
+    const { viewers, most_viewers: most } = health;
+    const open = viewers === 1 ? "One browser is open" : `${viewers} browsers are open`;
+    return notServed && viewers >= most ? `${open}, and more are not served: close one. ` +
+      "This page goes on by itself then." : "";
+  } catch {
+    return LOST;
+  }
+}
+
+let silent_s = 0;
+async function watch() {
+  const seat = document.querySelector("[data-visitor]");
+  const frozen = seat?.closest('[style*="pointer-events: none"]'); // so viser shows what it last knew
+  if (seat && !frozen && seat.dataset.visitor !== visitor) {
+    visitor = seat.dataset.visitor;
+    document.cookie = `grasping_visitor=${visitor}; path=/; samesite=strict`;
+  }
+  silent_s = seat && !frozen ? 0 : silent_s + 1;
+  say(silent_s < 3 ? refusal : await whyNotConnected(frozen || !visitor));
+  setTimeout(watch, 1000);
+}
+watch();
 
 async function copy(text) {
   try {
@@ -21,15 +71,16 @@ async function copyLink(link) {
   setTimeout(() => { link.textContent = label; }, 1500);
 }
 
-function lookBack(strip, clientX) {
+async function lookBack(strip, clientX) {
   const [begin, end] = strip.dataset.strip.split(" ").map(Number);
   const box = strip.getBoundingClientRect();
   const share = Math.min(1, Math.max(0, (clientX - box.left) / box.width));
-  fetch("/api/v1/session/commands", {
+  const answer = await fetch("/api/v1/session/commands", {
     method: "POST",
-    headers: { "Content-Type": "application/json" },
+    headers: { "Content-Type": "application/json", "X-Visitor": visitor },
     body: JSON.stringify({ kind: "look_back", t_s: begin + share * (end - begin) }),
   });
+  if (answer.status === 409) refuse((await answer.json()).error);
 }
 
 document.addEventListener("click", (event) => {

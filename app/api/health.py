@@ -3,6 +3,7 @@
 from fastapi import APIRouter
 from pydantic import BaseModel
 
+from app.proxy import Relay
 from app.session import Session
 from app.state import Status
 
@@ -12,14 +13,20 @@ class Health(BaseModel):
 
     server: str
     simulation: Status
+    viewers: int
+    """Connected browsers."""
+    most_viewers: int
+    """More are turned away."""
 
 
-def health_router(session: Session) -> APIRouter:
+def health_router(session: Session, relay: Relay) -> APIRouter:
     """GET /health."""
     router = APIRouter(tags=["health"])
 
     @router.get("/health")
     def health() -> Health:
-        return Health(server="ok", simulation=session.state.status)
+        """Whether anything is wrong."""
+        simulation = session.state.status
+        return Health(server="ok", simulation=simulation, viewers=relay.clients, most_viewers=relay.max_clients)
 
     return router

@@ -1,13 +1,14 @@
 """The running trial: its state, and commands to it."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
-from fastapi import APIRouter, Body
+from fastapi import APIRouter, Body, Depends
 from pydantic import BaseModel
 
+from app.api.control import Asker
+from app.api.examples import COMMANDS
 from app.commands import Command
+from app.people import Visitor
 from app.session import Session
 from app.state import SessionState, Status
 from backend.pipeline.values import FailureReason, Phase
@@ -69,13 +70,19 @@ class State(BaseModel):
 def session_router(session: Session) -> APIRouter:
     """GET /session and POST /session/commands."""
     router = APIRouter(tags=["session"])
+    asks = Asker(session.people)
 
     @router.get("/session")
     def state() -> State:
+        """What runs, and how far it is."""
         return describe(session.state)
 
     @router.post("/session/commands", status_code=202)
-    def command(command: Annotated[Command, Body()]) -> State:
+    def command(
+        command: Annotated[Command, Body(openapi_examples=COMMANDS)], who: Annotated[Visitor, Depends(asks)]
+    ) -> State:
+        """Ask for something. 409 says that somebody else drives, 422 what is wrong with the command."""
+        session.people.admit(who)
         session.send(command)
         return describe(session.state)
 

@@ -12,28 +12,46 @@ from fastapi.requests import Request
 from fastapi.responses import HTMLResponse, RedirectResponse, Response
 
 from app.engine import Keepsake
+from app.people import NEWCOMER
 from app.permalink import PATH, trial_at
 from app.session import Session
 from app.ui.replay import replay_html
 from backend.errors import GraspingError, NotFoundError
 from backend.scenario import to_toml
 
+VISITOR_COOKIE = "grasping_visitor"
+"""Set by the page's own script: the key of the page that this browser has open."""
 NOT_OVER = "The trial has not ended yet: there is something to download when it has."
 
 
 def open_router(session: Session) -> APIRouter:
-    """GET /open: where permalinks lead."""
+    """GET /open: where permalinks lead; POST when somebody else drives and is to drive no longer."""
     router = APIRouter()
+    people = session.people
 
     @router.get(PATH, include_in_schema=False)
     def open_trial(request: Request) -> Response:
         """Only for somebody who goes there: no other page may let an image or a frame restart the trial."""
         if request.headers.get("sec-fetch-dest", "document") != "document":
             return _sorry("A link to a trial is opened as a page of its own.", 403)
+        page_beside = people.known(request.cookies.get(VISITOR_COOKIE, ""))
+        driver = people.driver
+        if driver is None or driver in (page_beside, NEWCOMER):
+            return begin(request)
+        why = f"{driver.name} drives just now, and this link would restart what everybody sees."
+        return _sorry(why, 409, "Somebody else drives", _form("Take control and open it"))
+
+    @router.post(PATH, include_in_schema=False)
+    def take_and_open(request: Request) -> Response:
+        """The page that is about to open drives."""
+        return begin(request)
+
+    def begin(request: Request) -> Response:
         try:
             session.send(trial_at(dict(request.query_params)))
         except GraspingError as error:
             return _sorry(str(error), 404 if isinstance(error, NotFoundError) else 422)
+        people.take(NEWCOMER)
         return RedirectResponse("/viewer/", status_code=303)
 
     return router
@@ -85,9 +103,11 @@ def _own_events(session: Session) -> tuple[object, ...]:
 
 
 def _of_keepsake(session: Session, part: Callable[[Keepsake], bytes], media_type: str, ending: str) -> Response:
-    left = session.state.keepsake
+    state = session.state
+    left = state.keepsake
     if left is None:
-        raise NotFoundError(NOT_OVER)
+        over = state.snapshot is not None and state.snapshot.outcome is not None
+        raise NotFoundError(f"Nothing was kept of this trial. {state.refusals[1]}" if over else NOT_OVER)
     return _file(part(left), media_type, f"{_name(session)}.{ending}")
 
 
@@ -103,11 +123,17 @@ def _file(content: bytes, media_type: str, name: str) -> Response:
     return Response(content, media_type=media_type, headers=headers)
 
 
-def _sorry(text: str, status: int) -> HTMLResponse:
+def _form(label: str) -> str:
+    """HTML of a button that posts to the address of its own page."""
+    return f'<form method="post"><button>{html.escape(label)}</button></form>'
+
+
+def _sorry(text: str, status: int, heading: str = "This link cannot be opened", way_out: str = "") -> HTMLResponse:
     page = (
         '<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
         '<title>Dynamic grasping</title><link rel="stylesheet" href="/assets/page.css">'
-        '<main class="sorry"><h1>This link cannot be opened</h1>'
-        f'<p class="why">{html.escape(text)}</p><p><a href="/viewer/">Open the dashboard as it is</a></p></main>'
+        f'<main class="sorry"><h1>{html.escape(heading)}</h1>'
+        f'<p class="why">{html.escape(text)}</p>{way_out}'
+        '<p><a href="/viewer/">Open the dashboard as it is</a></p></main>'
     )
     return HTMLResponse(page, status_code=status)

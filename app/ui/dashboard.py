@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import secrets
 import threading
 import time
 from dataclasses import replace
@@ -39,7 +40,9 @@ class Dashboard:
 
     def __init__(self, session: Session, auto_next: bool, low_fx: bool, tour: bool) -> None:
         self._session = session
-        self.server = start_viser()
+        self.key = secrets.token_urlsafe(24)
+        """Opens the viser server."""
+        self.server = start_viser(self.key)
         self._camera = CameraKeeper(self.server, session)
         memory = Memory()
         self._theme, self._guide = Theme(memory), Guide(memory, tour)
@@ -58,7 +61,9 @@ class Dashboard:
         gui = self.server.gui
         self._panels = furnish(gui, lambda kind: kind(gui, self._desk, self._auto_next), self._add_view_tab)
         self._draw_panels(session.state, 0.0)
+        self.server.on_client_connect(self._seat)
         self.server.on_client_connect(self._welcome)
+        self.server.on_client_disconnect(self._unseat)
         self._thread = threading.Thread(target=self._run, name="dashboard", daemon=True)
 
     def start(self) -> None:
@@ -76,7 +81,13 @@ class Dashboard:
     def _add_view_tab(self) -> None:
         gui = self.server.gui
         add_view_switches(gui, self._camera, self._theme, self._guide)
-        add_legend(gui, self._layers)
+        add_legend(gui, self._layers, self._desk)
+
+    async def _seat(self, client: viser.ClientHandle) -> None:
+        self._desk.who.arrive(client)
+
+    async def _unseat(self, client: viser.ClientHandle) -> None:
+        self._desk.who.leave(client)
 
     def _welcome(self, client: viser.ClientHandle) -> None:
         """In a thread of viser's: the browser is asked what it remembers."""
@@ -140,6 +151,7 @@ class Dashboard:
         )
         for panel in self._panels:
             panel.show(view)
+        self._desk.who.show()
 
     def _next_trial(self, state: SessionState) -> None:
         try:

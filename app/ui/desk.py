@@ -12,14 +12,18 @@ import viser
 from pydantic import ValidationError
 
 from app.commands import Command, OverrideValue, Restart
+from app.people import NotDrivingError
 from app.session import Session
 from app.ui.looks import Looks
+from app.ui.who import Who
 from backend.config import Config, explain
 from backend.errors import GraspingError, InvalidInputError
 
 Answer = str | None
 Color = Literal["blue", "red", "green"]
 NOTICE_S = 6.0
+REFUSAL_S = 0.3
+"""After so long a browser that only watches is told so, once for all that it did meanwhile."""
 QUIET_S = 1.5
 """How long a widget is left alone after somebody has touched it."""
 
@@ -42,6 +46,7 @@ class Desk:
         """The last answer, for the status line."""
         self.looks = Looks()
         """Set by wishes only, and so by the dashboard's thread only."""
+        self.who = Who(session.people)
         self._server = server
         self._lock = threading.Lock()
         self._wishes: dict[str, Wish] = {}
@@ -53,14 +58,32 @@ class Desk:
     ) -> None:
         """Ask for ``act`` to be done ``after_s`` from now; a newer wish of the same key takes its place.
 
-        ``act`` returns what to say to everybody, or None; a ``GraspingError`` is said to the one who asked.
+        ``act`` returns what to say to everybody, or None; a ``GraspingError`` is said to the one who asked. Of a
+        browser that only watches nothing is done: it is told so, and its widget shows the truth again.
         """
+        if client is not None and not self.admits(client):
+            with self._lock:
+                self._mirrored.pop(key, None)
+            return
         now = time.monotonic()
         with self._lock:
             self._wishes.pop(key, None)
             self._wishes[key] = Wish(act, client, now + after_s)
             self._touched_s[key] = now
             self._mirrored.pop(key, None)
+
+    def admits(self, client: viser.ClientHandle) -> bool:
+        """Whether this browser drives; one that does not is told who does, and how to take over."""
+        objection = self.who.objection(client)
+        if objection is None:
+            return True
+
+        def refuse() -> Answer:
+            raise objection
+
+        with self._lock:
+            self._wishes[f"refusal {client.client_id}"] = Wish(refuse, client, time.monotonic() + REFUSAL_S)
+        return False
 
     def mirror(self, key: str, widget: Any, truth: object) -> None:
         """Let a widget show what is true, once that has changed or somebody has been at it and is so no more.
@@ -126,6 +149,8 @@ class Desk:
             answer = wish.act()
         except GraspingError as error:
             self.say("Not possible", str(error), "red", wish.client)
+            if isinstance(error, NotDrivingError):
+                return
             self.status_line = f"Refused: {error}"
             with self._lock:
                 self._touched_s.pop(key, None)

@@ -15,6 +15,10 @@ from backend.events import MoveObstacle
 class Touch(Protocol):
     """Given to every layer."""
 
+    def may(self, client: viser.ClientHandle) -> bool:
+        """Whether this browser drives; one that does not is told so."""
+        ...
+
     def grasp(self, index: int, client: viser.ClientHandle) -> None:
         """Show the card of a grasp."""
         ...
@@ -26,6 +30,9 @@ class Touch(Protocol):
 
 class Untouched:
     """Where nobody can click."""
+
+    def may(self, client: viser.ClientHandle) -> bool:
+        return False
 
     def grasp(self, index: int, client: viser.ClientHandle) -> None:
         pass
@@ -39,6 +46,9 @@ class DeskTouch:
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk
+
+    def may(self, client: viser.ClientHandle) -> bool:
+        return self._desk.admits(client)
 
     def grasp(self, index: int, client: viser.ClientHandle) -> None:
         self._desk.wish("grasp", lambda: self._show_card(index), client)

@@ -34,8 +34,12 @@ class Served:
         return httpx.get(self.address + "api/v1/session", timeout=5.0).json()
 
     def command(self, **fields: object) -> httpx.Response:
-        """Post a command."""
-        return httpx.post(self.address + "api/v1/session/commands", json=fields, timeout=5.0)
+        """Post a command, taking control for it and giving it back."""
+        with httpx.Client(base_url=self.address + "api/v1/session/", timeout=5.0) as script:
+            script.post("driver")
+            answer = script.post("commands", json=fields)
+            script.delete("driver")
+            return answer
 
     def simulation_pid(self) -> int:
         """Process id of the spawned simulation."""

@@ -154,11 +154,3 @@ def test_a_killed_simulation_is_explained_and_started_again(served: Served, page
     button(page, "Restart simulation").last.click()
     wait_for(served, lambda s: s["simulation"] == "running" and s["tick"] is not None)
     expect(page.get_by_text("The simulation has ended")).to_be_hidden()
-
-
-def test_two_pages_show_the_same(served: Served, browser: Browser, page: Page) -> None:
-    with open_page(browser, served.address) as other:
-        wait_for_node(other, "/object/body")
-        choose(other, "Object", "cube")
-        wait_for(served, lambda s: s["object"] == "cube" and not s["loading"])
-        expect(page.get_by_role("combobox", name="Object")).to_have_value("cube", timeout=10_000)

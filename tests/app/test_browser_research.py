@@ -154,6 +154,9 @@ def test_a_copied_link_opens_the_same_trial_in_another_browser(served: Served, b
     served.command(kind="restart", scenario="mico_varying", seed=9)
     wait_for(served, lambda s: s["seed"] == 9 and not s["loading"])
     with open_page(browser, copied) as other:
+        expect(other.get_by_text("this link would restart what everybody sees")).to_be_visible()
+        assert served.state()["seed"] == 9
+        button(other, "Take control and open it").click()
         wait_for_node(other, "/obstacles/slab")
         state = wait_for(served, lambda s: s["seed"] == 3 and not s["loading"])
     assert (state["scenario"], state["object"], state["live_edits"]) == ("ur5_linear_slab", "sugar_box", 1)

@@ -104,10 +104,12 @@ def test_uploads_are_bounded_before_viser_sees_them() -> None:
     def allowed(**message: object) -> bool:
         return is_allowed(msgspec.msgpack.encode(message))
 
-    start = {"type": "FileTransferStartUpload", "filename": "a.toml", "size_bytes": 100, "part_count": 1}
+    ids = {"source_component_uuid": "a", "transfer_uuid": "b"}
+    start = {"type": "FileTransferStartUpload", **ids, "mime_type": "", "filename": "a.toml"}
+    start |= {"size_bytes": 100, "part_count": 1}
     assert allowed(**start) and not allowed(**{**start, "size_bytes": 10**9})
     assert not allowed(**{**start, "part_count": 1000}) and not allowed(**{**start, "filename": "a" * 1000})
-    part = {"type": "FileTransferPart", "part_index": 0, "content": b"title"}
+    part = {"type": "FileTransferPart", **ids, "part_index": 0, "content": b"title"}
     assert (
         allowed(**part)
         and not allowed(**{**part, "content": b"a" * 10**6})

@@ -31,7 +31,15 @@ class ViewerClient:
 
     def send(self, kind: str, **fields: object) -> None:
         """Say anything, allowed or not."""
-        self._socket.send(msgspec.msgpack.encode({"type": kind, **fields}))
+        self.say(msgspec.msgpack.encode({"type": kind, **fields}))
+
+    def say(self, raw: bytes) -> None:
+        """Send bytes as they are."""
+        self._socket.send(raw)
+
+    def say_text(self, text: str) -> None:
+        """Send a message of the kind that viewers never send."""
+        self._socket.send(text)
 
     def receive(self, timeout_s: float = 1.0) -> None:
         """Take in one batch; none when nothing comes."""

@@ -70,7 +70,7 @@ class ObstaclesLayer:
         for i, name in enumerate(scene.obstacles):
             shape = load_object(name)
             node = add_object(self._scene, f"/obstacles/{i}", shape, shape.color_rgb)
-            make_draggable(node, partial(self._hold, i), partial(self._drop, i))
+            make_draggable(node, self._touch.may, partial(self._hold, i), partial(self._drop, i))
             self._nodes.append(node)
         if scene.slab is not None:
             slab = self._scene.add_box("/obstacles/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.6)

@@ -25,11 +25,20 @@ def on_floor(camera_m: Array, pointer_m: Array, height_m: float) -> Array | None
 
 
 def make_draggable(
-    node: viser.MeshHandle, hold: Callable[[bool], None], dropped: Callable[[Array, viser.ClientHandle], None]
+    node: viser.MeshHandle,
+    may: Callable[[viser.ClientHandle], bool],
+    hold: Callable[[bool], None],
+    dropped: Callable[[Array, viser.ClientHandle], None],
 ) -> None:
-    """Let the node follow the pointer at the height it was grabbed; ``dropped`` is told (2,) where it was left."""
+    """Let the node follow the pointer at the height it was grabbed; ``dropped`` is told (2,) where it was left.
+
+    A browser that ``may`` not moves nothing.
+    """
 
     async def on_drag(event: viser.SceneNodeDragEvent[Any]) -> None:
+        if not may(event.client):
+            hold(False)
+            return
         hold(event.phase != "end")
         grabbed = np.array(event.start_position)
         there = on_floor(event.client.camera.position, np.array(event.end_position), float(grabbed[2]))

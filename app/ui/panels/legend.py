@@ -8,19 +8,20 @@ from typing import Any
 import viser
 
 from app.ui.camera import PRESETS, CameraKeeper
+from app.ui.desk import Desk
 from app.ui.help import Guide
 from app.ui.layers.layer import Layer
 from app.ui.theme import DARK, LIGHT, Theme
 from app.ui.words import legend
 
 
-def add_legend(gui: viser.GuiApi, layers: list[Layer]) -> None:
+def add_legend(gui: viser.GuiApi, layers: list[Layer], desk: Desk) -> None:
     """The colours of all layers, and a check box for each layer."""
     with gui.add_folder("Legend"):
         gui.add_html(legend([row for layer in layers for row in layer.swatches]))
     with gui.add_folder("Show", expand_by_default=False):
         for layer in layers:
-            _add_switch(gui, layer)
+            _add_switch(gui, layer, desk)
 
 
 def add_view_switches(gui: viser.GuiApi, camera: CameraKeeper, theme: Theme, guide: Guide) -> None:
@@ -56,6 +57,17 @@ def _add_key(gui: viser.GuiApi, label: str, key: Any, act: Callable[[viser.Clien
     command.on_trigger(lambda event: act(event.client) if event.client else None)
 
 
-def _add_switch(gui: viser.GuiApi, layer: Layer) -> None:
-    switch = gui.add_checkbox(layer.title, True)
-    switch.on_update(lambda event: layer.show(bool(event.target.value)))
+def _add_switch(gui: viser.GuiApi, layer: Layer, desk: Desk) -> None:
+    switch, shown = gui.add_checkbox(layer.title, True), True
+
+    async def on_update(event: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
+        nonlocal shown
+        if event.client is None:
+            return
+        if not desk.admits(event.client):
+            switch.value = shown
+            return
+        shown = bool(event.target.value)
+        layer.show(shown)
+
+    switch.on_update(on_update)

@@ -8,6 +8,7 @@ import viser
 
 from app.commands import SPEEDS, LookBack, SetPaused, SetSpeed, StepOnce
 from app.ui.desk import Answer, Desk, checked
+from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
 from app.ui.words import note
@@ -53,12 +54,13 @@ class PlaybackPanel:
         self._time.on_click(self._on_button)
         self._trial.on_click(self._on_button)
         self._speed.on_update(self._on_speed)
-        self._auto.on_update(self._on_auto)
+        self._auto.on_update(choosing(desk, "auto", self.set_auto))
         self._add_keys(gui)
 
     def show(self, view: View) -> None:
         self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
         self._status.content = note(view.status_line) if view.status_line else ""
+        self._desk.mirror("auto", self._auto, self._auto_next.enabled)
         label = speed_label(view.state.pace.speed)
         if label in LABELS:
             self._desk.mirror("speed", self._speed, label)
@@ -101,6 +103,11 @@ class PlaybackPanel:
         self._desk.send(checked(SetSpeed, speed=lookup("speed", label, LABELS)))
         return None
 
+    def set_auto(self, enabled: object) -> Answer:
+        """Go on by itself after an outcome, or not."""
+        self._auto_next.enabled = bool(enabled)
+        return None
+
     async def _on_button(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
         label = event.target.value
         self._desk.wish("button", lambda: self.press(label), event.client)
@@ -110,9 +117,6 @@ class PlaybackPanel:
             return
         label = event.target.value
         self._desk.wish("speed", lambda: self.set_speed(label), event.client)
-
-    def _on_auto(self, event: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
-        self._auto_next.enabled = bool(event.target.value)
 
     def _add_keys(self, gui: viser.GuiApi) -> None:
         """The arrows are T and B as well, by the page's own script: viser turns the camera with them."""
