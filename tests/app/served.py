@@ -7,6 +7,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -51,9 +52,11 @@ class Served:
 
 @contextmanager
 def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> Generator[Served]:
-    """Start a server on a free port, wait for its address, end it with Ctrl-C."""
+    """Start a server on a free port, with no runs of grids, wait for its address, end it with Ctrl-C."""
     command = [sys.executable, *module, "--port", "0", *flags]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT)
+    runs = tempfile.TemporaryDirectory()
+    own = {**os.environ, "GRASPING_RUNS": runs.name}
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=own)
     try:
         assert process.stdout is not None
         line = process.stdout.readline()
@@ -68,6 +71,8 @@ def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> 
         except subprocess.TimeoutExpired:
             process.kill()
             raise
+        finally:
+            runs.cleanup()
 
 
 def main() -> None:

@@ -350,6 +350,8 @@ def ask_everything(cases: st.SearchStrategy[Any]) -> None:
     @settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=SLOW)
     @given(cases)
     def ask(case: Any) -> None:
+        if (case.method, case.path) == ("POST", "/api/v1/runs"):
+            case.query = {**(case.query or {}), "dry_run": "true"}  # a grid that really starts would outlast the test
         answer = case.call(timeout=10.0)
         assert answer.status_code < 500, answer.text
 
