@@ -201,7 +201,7 @@ def test_a_watcher_pushes_nothing_about_and_hides_nothing(served: Served) -> Non
         assert "you watch" in watcher.notice()[1]
         driver.receive()
         about = [message for message in driver.messages if message.get("name", "").startswith("/obstacles")]
-        assert not any(message["type"] == "SetSceneNodeVisibilityMessage" for message in about)
+        assert not any(message.get("visible") is False for message in about)
         places = [message["position"][0] for message in about if message["type"] == "SetPositionMessage"]
         assert places == pytest.approx([0.65] * len(places)) and served.state()["live_edits"] == 0
         drag(driver, "/obstacles/0")
