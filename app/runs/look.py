@@ -14,6 +14,7 @@ from backend.experiments.grid.store import Facts
 from backend.experiments.grid.writer import writing_since
 
 State = Literal["running", "stopped", "complete", "unreadable", "foreign"]
+UNKNOWN_PACE = Pace(None, None)
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Look:
     trials: int = 0
     cells: tuple[CellCount, ...] = ()
     reasons: tuple[tuple[str, int], ...] = ()
-    pace: Pace = Pace(None, None)
+    pace: Pace = UNKNOWN_PACE
     file: int = 0
     """Which file it was read from; another one has other rows."""
 

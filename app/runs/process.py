@@ -115,4 +115,3 @@ def _ended(process: subprocess.Popen[bytes], within_s: float) -> bool:
     except subprocess.TimeoutExpired:
         return False
     return True
-

@@ -114,5 +114,3 @@ class Runs:
             while len(self._plans) > PLANS_KEPT:
                 self._plans.popitem(last=False)
             return plan
-
-

@@ -39,7 +39,7 @@ class Shelf:
         """Where a run of that name is or would be; raises ``InvalidInputError`` for a name that none may have."""
         if not self._may_be(name):
             raise InvalidInputError(
-                f"A run's name has 1 to 64 letters, digits, - or _, and does not lead out of {self.root} (got {name!r})."
+                f"A run's name has 1 to 64 letters, digits, - or _, and stays inside {self.root} (got {name!r})."
             )
         return self.root / name
 

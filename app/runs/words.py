@@ -62,5 +62,3 @@ def cores() -> int:
 
 def _toml(table: dict[str, Any]) -> str:
     return to_toml_text({name: value for name, value in table.items() if value is not None})
-
-
