@@ -53,6 +53,8 @@ class Restart(Config):
     """Live edits, repeated at their ticks."""
     from_tick: Annotated[int, Field(ge=0, le=240 * 3600)] = 0
     """Go through the ticks before this one unseen and as fast as it goes."""
+    compare: Annotated[str, Field(min_length=1, max_length=100)] | None = None
+    """A method that runs the same trial beside it, in step."""
 
     @field_validator("events", mode="before")
     @classmethod

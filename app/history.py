@@ -6,7 +6,7 @@ import threading
 from bisect import bisect_left
 from dataclasses import dataclass
 
-from app.reports import Traces
+from app.reports import Sight, Traces
 from backend.snapshot import Snapshot
 
 KEPT_S = 60.0
@@ -18,6 +18,26 @@ class Moment:
 
     snapshot: Snapshot
     traces: Traces | None
+    beside: Sight | None = None
+    """The world compared with."""
+
+    @property
+    def newest(self) -> Snapshot:
+        """Of the world that has come furthest: one may have ended before the other."""
+        return newest(self.snapshot, self.beside)
+
+    @property
+    def t_s(self) -> float:
+        return self.newest.t_s
+
+    @property
+    def tick(self) -> int:
+        return self.newest.tick
+
+
+def newest(snapshot: Snapshot, beside: Sight | None) -> Snapshot:
+    """That of the later tick, ``snapshot`` where they are in step."""
+    return snapshot if beside is None or beside.snapshot.tick <= snapshot.tick else beside.snapshot
 
 
 class History:
@@ -31,8 +51,8 @@ class History:
         """The newest moment; what is older than a minute goes."""
         with self._lock:
             self._moments.append(moment)
-            oldest_s = moment.snapshot.t_s - KEPT_S
-            if self._moments[0].snapshot.t_s < oldest_s:
+            oldest_s = moment.t_s - KEPT_S
+            if self._moments[0].t_s < oldest_s:
                 del self._moments[: bisect_left(self._moments, oldest_s, key=_time_s)]
 
     def clear(self) -> None:
@@ -43,14 +63,14 @@ class History:
     def cut(self, tick: int) -> None:
         """Forget what came after this tick."""
         with self._lock:
-            self._moments = [moment for moment in self._moments if moment.snapshot.tick <= tick]
+            self._moments = [moment for moment in self._moments if moment.tick <= tick]
 
     def at(self, t_s: float) -> Moment | None:
         """The kept moment nearest to a simulated time; None when nothing is kept."""
         with self._lock:
             i = bisect_left(self._moments, t_s, key=_time_s)
             near = self._moments[max(i - 1, 0) : i + 1]
-        return min(near, key=lambda moment: abs(moment.snapshot.t_s - t_s), default=None)
+        return min(near, key=lambda moment: abs(moment.t_s - t_s), default=None)
 
     def moments(self) -> tuple[Moment, ...]:
         """All that is kept, oldest first."""
@@ -59,4 +79,4 @@ class History:
 
 
 def _time_s(moment: Moment) -> float:
-    return moment.snapshot.t_s
+    return moment.t_s

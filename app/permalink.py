@@ -16,7 +16,7 @@ from backend.config import explain
 from backend.errors import InvalidInputError
 
 PATH = "/open"
-PARTS = ("scenario", "seed", "set", "edits", "file")
+PARTS = ("scenario", "seed", "set", "compare", "edits", "file")
 LARGEST_EDITS_CHARS = 200_000
 
 
@@ -25,6 +25,8 @@ def address_of(trial: Restart) -> str:
     query: dict[str, object] = {"scenario": trial.scenario, "seed": trial.seed}
     if trial.overrides:
         query["set"] = json.dumps(trial.overrides, separators=(",", ":"))
+    if trial.compare is not None:
+        query["compare"] = trial.compare
     if trial.events:
         dumped = [timed.model_dump(mode="json") for timed in trial.events]
         query["edits"] = json.dumps(dumped, separators=(",", ":"))
@@ -37,12 +39,12 @@ def trial_at(query: dict[str, str]) -> Restart:
     """The command that a permalink's query asks for; raises ``InvalidInputError`` naming what cannot be used."""
     unknown = sorted(set(query) - set(PARTS))
     if unknown:
-        raise InvalidInputError(
-            f"link: {', '.join(unknown)}: no such part. There are scenario, seed, set, edits, file."
-        )
+        raise InvalidInputError(f"link: {', '.join(unknown)}: no such part. There are {', '.join(PARTS)}.")
     fields: dict[str, Any] = {"scenario": query.get("scenario", ""), "seed": _whole(query.get("seed", "0"))}
     if "set" in query:
         fields["overrides"] = _json("set", query["set"])
+    if "compare" in query:
+        fields["compare"] = query["compare"]
     if "edits" in query:
         fields["events"] = _json("edits", query["edits"])
     if "file" in query:

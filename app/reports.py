@@ -37,13 +37,38 @@ class Traces:
 
 
 @dataclass(frozen=True, eq=False)
+class Sight:
+    """One world at one tick."""
+
+    snapshot: Snapshot
+    traces: Traces | None
+    """Of its newest cycle."""
+
+
+def filled_in(sight: Sight, before: Sight | None) -> Sight:
+    """With the cycle that was reported before, where there is no newer; what is over stays the same one."""
+    if before is None:
+        return sight
+    if before.snapshot.outcome is not None:
+        return before
+    snapshot = sight.snapshot
+    if snapshot.cycle is None:
+        snapshot = replace(snapshot, cycle=before.snapshot.cycle)
+    return Sight(snapshot, sight.traces or before.traces)
+
+
+@dataclass(frozen=True, eq=False)
 class Progress:
-    """A tick. To save traffic the cycle travels only once: None means that it is the one reported before."""
+    """A tick. To save traffic a cycle travels only once: None means that it is the one reported before.
+
+    Traces come with every new cycle.
+    """
 
     run: int
     snapshot: Snapshot
     traces: Traces | None
-    """Comes with every new cycle."""
+    beside: Sight | None = None
+    """The same tick of the world compared with."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +86,8 @@ class Ended:
 
     run: int
     keepsake: Keepsake
+    beside: bool = False
+    """Whether it is the one compared with."""
 
 
 @dataclass(frozen=True)

@@ -11,14 +11,14 @@ from multiprocessing.context import SpawnProcess
 from typing import Any
 
 from app.commands import ApplyEvent, Command, GoOn, LookBack, Restart, SetPaused, StepOnce
-from app.engine import Engine
+from app.engine import Engine, TrialInfo
 from app.history import History, Moment
 from app.people import People
-from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started
+from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Sight, Started, filled_in
 from app.state import SessionState, SimulationDownError, cause_of_end
+from app.wanted import compared_with
 from app.worker import run_process
 from backend.errors import InvalidInputError
-from backend.snapshot import Snapshot
 
 
 class Session:
@@ -45,10 +45,14 @@ class Session:
     def state(self) -> SessionState:
         return self._state
 
-    def next_snapshot(self, seen: Snapshot | None, timeout_s: float) -> SessionState:
-        """The state as soon as it has another snapshot than ``seen``, or after ``timeout_s``."""
+    def next_tick(self, seen: SessionState | None, timeout_s: float) -> SessionState:
+        """The state as soon as it has another tick than ``seen``, or after ``timeout_s``."""
+
+        def is_new() -> bool:
+            return seen is None or (seen.snapshot, seen.beside) != (self._state.snapshot, self._state.beside)
+
         with self._lock:
-            self._lock.wait_for(lambda: self._state.snapshot is not seen, timeout_s)
+            self._lock.wait_for(is_new, timeout_s)
             return self._state
 
     @property
@@ -83,7 +87,7 @@ class Session:
                 self._go_on()
                 return
             case Restart():
-                info = self.engine.describe(command)
+                info = self._described(command)
                 self._change(info=info, restart=command, loading=True)
                 if command is not self._continued:
                     self._change(looked_at=None)
@@ -98,11 +102,18 @@ class Session:
                 pass
         self._pass_on(command)
 
+    def _described(self, restart: Restart) -> TrialInfo:
+        """What would run; raises ``GraspingError`` when that, or what it is to be compared with, cannot."""
+        compared = compared_with(restart)
+        if compared is not None:
+            self.engine.describe(compared)
+        return self.engine.describe(restart)
+
     def _look_back(self, t_s: float | None) -> None:
         moment = None if t_s is None else self.history.at(t_s)
         if t_s is not None and moment is None:
             raise InvalidInputError("There is nothing to look back at yet.")
-        if moment is not None and moment.snapshot is self._state.snapshot:
+        if moment is not None and moment.newest is self._state.newest:
             moment = None
         if t_s is not None and not self._state.pace.paused:
             self._change(pace=replace(self._state.pace, paused=True))
@@ -142,7 +153,8 @@ class Session:
 
     def _revive(self) -> None:
         self.close()
-        self._change(status="starting", crash=None, started=None, snapshot=None, traces=None, looked_at=None)
+        self._change(status="starting", crash=None, started=None, snapshot=None, traces=None, beside=None)
+        self._change(looked_at=None)
         self.start()
 
     def _watch(self, link: Connection, process: SpawnProcess) -> None:
@@ -170,16 +182,18 @@ class Session:
                     started=report,
                     snapshot=None,
                     traces=None,
+                    beside=None,
                     events=report.restart.events,
                     keepsake=None,
+                    keepsake_beside=None,
                     loading=report.restart != self._state.restart,  # something else was asked for since
                 )
             case Progress():
                 self._take_in_progress(report)
             case Edited(events=events):
                 self._change(events=events)
-            case Ended(keepsake=keepsake):
-                self._change(keepsake=keepsake)
+            case Ended(keepsake=keepsake, beside=beside):
+                self._change(**{"keepsake_beside" if beside else "keepsake": keepsake})
             case Pace():
                 self._change(pace=report)
             case Refused(text=text):
@@ -188,13 +202,13 @@ class Session:
                 pass
 
     def _take_in_progress(self, report: Progress) -> None:
-        snapshot, old = report.snapshot, self._state.snapshot
-        if snapshot.cycle is None and old is not None and old.cycle is not None:
-            snapshot = replace(snapshot, cycle=old.cycle)
-        traces = report.traces or self._state.traces
-        self.history.add(Moment(snapshot, traces))
-        looked_at = None if old is None else self._state.looked_at
-        self._change(snapshot=snapshot, traces=traces, looked_at=looked_at)
+        old = self._state
+        before = None if old.snapshot is None else Sight(old.snapshot, old.traces)
+        now = filled_in(Sight(report.snapshot, report.traces), before)
+        beside = None if report.beside is None else filled_in(report.beside, old.beside)
+        self.history.add(Moment(now.snapshot, now.traces, beside))
+        looked_at = None if before is None else old.looked_at
+        self._change(snapshot=now.snapshot, traces=now.traces, beside=beside, looked_at=looked_at)
 
     def _begin_history(self, restart: Restart) -> None:
         """What was before the moment that is gone on from stays, since it comes out the same again."""

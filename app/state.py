@@ -8,8 +8,8 @@ from typing import Literal
 
 from app.commands import Restart
 from app.engine import Keepsake, TrialInfo
-from app.history import Moment
-from app.reports import Crashed, Pace, Started, Traces
+from app.history import Moment, newest
+from app.reports import Crashed, Pace, Sight, Started, Traces
 from backend.errors import GraspingError, InvalidInputError
 from backend.events import TimedEvent
 from backend.snapshot import Snapshot
@@ -38,12 +38,16 @@ class SessionState:
     """Newest tick of the running episode; its ``cycle`` is filled in."""
     traces: Traces | None = None
     """Of the newest cycle."""
+    beside: Sight | None = None
+    """The same of the episode compared with; None while nothing is compared."""
     looked_at: Moment | None = None
     """An earlier moment that is shown instead of the newest."""
     events: tuple[TimedEvent, ...] = ()
     """Live edits of the running episode."""
     keepsake: Keepsake | None = None
     """Of the running episode, once it has ended."""
+    keepsake_beside: Keepsake | None = None
+    """Of the episode compared with, once it has ended."""
     crash: Crashed | None = None
     refusals: tuple[int, str] = (0, "")
     """How many commands were refused so far, and what was said to the last."""
@@ -52,7 +56,20 @@ class SessionState:
     def shown(self) -> SessionState:
         """This state as it was at the moment looked at."""
         moment = self.looked_at
-        return self if moment is None else replace(self, snapshot=moment.snapshot, traces=moment.traces)
+        if moment is None:
+            return self
+        return replace(self, snapshot=moment.snapshot, traces=moment.traces, beside=moment.beside)
+
+    @property
+    def newest(self) -> Snapshot | None:
+        """Of the episode that has come furthest."""
+        return None if self.snapshot is None else newest(self.snapshot, self.beside)
+
+    @property
+    def over(self) -> bool:
+        """Whether every episode has ended."""
+        worlds = [self.snapshot, *([] if self.beside is None else [self.beside.snapshot])]
+        return all(snapshot is not None and snapshot.outcome is not None for snapshot in worlds)
 
     @property
     def repeated(self) -> Restart:
@@ -70,7 +87,7 @@ class SessionState:
             raise InvalidInputError(
                 "With measured thinking time no trial comes out twice the same: set think to budget or paper."
             )
-        tick = self.looked_at.snapshot.tick
+        tick = self.looked_at.tick
         before = tuple(timed for timed in self.events if timed.tick < tick)
         return self.restart.model_copy(update={"events": before, "from_tick": tick})
 

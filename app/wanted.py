@@ -6,6 +6,7 @@ import tomllib
 
 from app.commands import OverrideValue, Restart
 from backend.errors import InvalidInputError, lookup
+from backend.methods import METHODS
 from backend.scenario import Scenario, load_scenario, parse_scenario, scenario_names, with_overrides
 
 
@@ -20,6 +21,18 @@ def scenario_of(restart: Restart) -> Scenario:
     if restart.events:
         scenario = scenario.model_copy(update={"events": (*scenario.events, *restart.events)})
     return scenario
+
+
+def compared_with(restart: Restart) -> Restart | None:
+    """The same trial under the method it is compared with, as that is listed; None where nothing is compared.
+
+    Raises ``NotFoundError`` naming the methods there are.
+    """
+    if restart.compare is None:
+        return None
+    lookup("method", restart.compare, METHODS)
+    kept = {path: value for path, value in restart.overrides.items() if path.partition(".")[0] != "method"}
+    return restart.model_copy(update={"overrides": {**kept, "method": restart.compare}, "compare": None})
 
 
 def read_scenario(text: str, name: str) -> Scenario:

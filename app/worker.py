@@ -6,17 +6,16 @@ import signal
 import sys
 import time
 import traceback
-from collections.abc import Iterator
-from dataclasses import replace
 from multiprocessing.connection import Connection
 
 from app.commands import ApplyEvent, Command, GoOn, LookBack, Restart, SetPaused, SetSpeed, StepOnce
-from app.engine import Engine, Running
+from app.engine import Engine
+from app.lane import Lane
 from app.pacer import Pacer
-from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started, Traces, slim
+from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Started
+from app.wanted import compared_with
 from backend.errors import GraspingError
 from backend.events import TimedEvent, WorldEvent
-from backend.pipeline.values import CycleResult
 from backend.snapshot import Snapshot
 
 REPORT_INTERVAL_S = 1 / 40
@@ -44,7 +43,7 @@ def run_worker(link: Connection, engine: Engine, first: Restart, pace: Pace) -> 
 
 
 class Worker:
-    """Owns the one episode of its process."""
+    """Owns the one episode of its process, or the two that are compared."""
 
     def __init__(self, link: Connection, engine: Engine, pace: Pace) -> None:
         self._link = link
@@ -52,13 +51,12 @@ class Worker:
         self._paused = pace.paused
         self._pacer = Pacer(pace.speed)
         self._run = 0
-        self._episode: Running | None = None
-        self._ticks: Iterator[Snapshot] = iter(())
-        self._last: Snapshot | None = None
+        self._lanes: tuple[Lane, ...] = ()
+        self._told: tuple[Lane, ...] = ()
+        """Those whose end has been reported."""
         self._made: tuple[TimedEvent, ...] = ()
         self._given: tuple[TimedEvent, ...] = ()
         self._from_tick = 0
-        self._reported_cycle = 0
         self._reported_tick = -1
         self._next_report_s = 0.0
         self._next_pace_s = 0.0
@@ -77,13 +75,23 @@ class Worker:
             self._report_pace()
 
     @property
+    def _running(self) -> tuple[Lane, ...]:
+        """Lanes that are not over."""
+        return tuple(lane for lane in self._lanes if not lane.over)
+
+    @property
+    def _newest(self) -> Snapshot:
+        """Of the lane that has come furthest."""
+        return max((lane.last for lane in self._lanes), key=lambda snapshot: snapshot.tick)
+
+    @property
     def _moving(self) -> bool:
-        return self._last is not None and self._last.outcome is None and (self._catching_up or not self._paused)
+        return bool(self._running) and (self._catching_up or not self._paused)
 
     @property
     def _catching_up(self) -> bool:
         """Whether the ticks are still those that nobody wants to see."""
-        return self._last is not None and self._last.tick < self._from_tick
+        return bool(self._running) and self._newest.tick < self._from_tick
 
     def _patience_s(self) -> float:
         """How long a command may be waited for."""
@@ -96,11 +104,11 @@ class Worker:
             case SetPaused(paused=paused):
                 self._paused = paused
                 self._pacer.reset()
-                if paused and self._last is not None and self._last.tick != self._reported_tick:
-                    self._report_snapshot(self._last)
+                if paused and self._lanes and self._newest.tick != self._reported_tick:
+                    self._report_progress()
             case StepOnce():
                 self._paused = True
-                if self._last is not None and self._last.outcome is None:
+                if self._running:
                     self._advance()
             case SetSpeed(speed=speed):
                 self._pacer.speed = speed
@@ -114,78 +122,77 @@ class Worker:
         self._report_pace(now=True)
 
     def _apply(self, event: WorldEvent) -> None:
-        if self._episode is None or self._last is None or self._last.outcome is not None:
+        """To every world that still moves; they have the same obstacles, so one refuses what the other does."""
+        if not self._running:
             self._report(Refused("The trial is over, so its world cannot be edited: restart it first."))
             return
         if self._catching_up:
             self._report(Refused("The trial is being repeated up to the moment chosen: edit it then."))
             return
         try:
-            self._episode.apply(event)
+            for lane in self._running:
+                lane.episode.apply(event)
         except GraspingError as error:
             self._report(Refused(str(error)))
             return
-        self._made = (*self._made, TimedEvent(tick=self._last.tick, event=event))
+        self._made = (*self._made, TimedEvent(tick=self._newest.tick, event=event))
         self._report(Edited(self._run, (*self._made, *self._given)))
 
     def _restart(self, restart: Restart) -> None:
-        """Close the running episode and show the first tick of the next, paused or not."""
-        if self._episode is not None:
-            self._episode.close()
-            self._episode, self._last, self._ticks = None, None, iter(())
+        """Close what is running and show the first tick of what comes next, paused or not."""
+        self._close()
         try:
-            self._episode = self._engine.make_episode(restart)
+            compared = compared_with(restart)
+            for one in (restart,) if compared is None else (restart, compared):
+                self._lanes = (*self._lanes, Lane(self._engine.make_episode(one), self._engine))
         except (GraspingError, OSError) as error:
+            self._close()
             self._report(Refused(f"The trial cannot begin: {error}" if isinstance(error, OSError) else str(error)))
             return
         self._run += 1
-        self._reported_cycle = 0
         self._made, self._given, self._from_tick = (), restart.events, restart.from_tick
-        self._ticks = iter(self._episode.run())
-        self._report(Started(self._run, restart, self._episode.scene))
+        self._report(Started(self._run, restart, self._lanes[0].episode.scene))
         self._pacer.reset()
-        self._advance(report=True)
+        if not self._catching_up:
+            self._report_progress()
 
-    def _advance(self, report: bool = False) -> None:
-        previous, self._last = self._last, next(self._ticks)
-        now = time.perf_counter()
-        if self._catching_up and self._last.outcome is None:
+    def _close(self) -> None:
+        for lane in self._lanes:
+            lane.episode.close()
+        self._lanes = self._told = ()
+
+    def _advance(self) -> None:
+        before_s = self._newest.t_s
+        for lane in self._running:
+            lane.advance()
+        now, newest = time.perf_counter(), self._newest
+        if self._catching_up:
             self._pacer.reset()
             return
-        self._pacer.ticked(now, self._last.t_s, self._last.t_s - (previous.t_s if previous else 0.0))
-        report = report or self._paused or self._last.tick == self._from_tick
-        if report or self._last.outcome is not None or now >= self._next_report_s:
-            self._report_snapshot(self._last)
+        self._pacer.ticked(now, newest.t_s, newest.t_s - before_s)
+        ended = any(lane.over and lane not in self._told for lane in self._lanes)
+        if ended or self._paused or newest.tick == self._from_tick or now >= self._next_report_s:
+            self._report_progress()
             self._next_report_s = max(self._next_report_s, now - LARGEST_BURST_S) + REPORT_INTERVAL_S
-        if self._last.outcome is not None and self._episode is not None:
-            self._report_end(self._episode)
 
-    def _report_end(self, episode: Running) -> None:
+    def _report_end(self, lane: Lane) -> None:
         """A trial that leaves nothing, as on a full disk, has ended all the same."""
         try:
-            keepsake = episode.keepsake()
+            keepsake = lane.episode.keepsake()
         except (GraspingError, OSError) as error:
             self._report(Refused(f"The trial's trace and outcome could not be kept: {error}"))
         else:
-            self._report(Ended(self._run, keepsake))
+            self._report(Ended(self._run, keepsake, beside=lane is not self._lanes[0]))
 
-    def _report_snapshot(self, snapshot: Snapshot) -> None:
-        self._reported_tick = snapshot.tick
-        cycle, traces = snapshot.cycle, None
-        if cycle is None or cycle.number == self._reported_cycle:
-            snapshot = replace(snapshot, cycle=None)
-        else:
-            self._reported_cycle = cycle.number
-            traces = self._traces(cycle)
-            snapshot = replace(snapshot, cycle=slim(cycle))
-        self._report(Progress(self._run, snapshot, traces))
-
-    def _traces(self, cycle: CycleResult) -> Traces:
-        assert self._episode is not None
-        paths = (cycle.plan.path if cycle.plan else None, cycle.seed_path)
-        robot = self._episode.scene.robot
-        plan, seed = (None if path is None else self._engine.tcp_trace(robot, path.waypoints) for path in paths)
-        return Traces(plan, seed)
+    def _report_progress(self) -> None:
+        """One tick of all lanes, and which of them are over by now."""
+        self._reported_tick = self._newest.tick
+        first, *others = (lane.news() for lane in self._lanes)
+        self._report(Progress(self._run, first.snapshot, first.traces, others[0] if others else None))
+        for lane in self._lanes:
+            if lane.over and lane not in self._told:
+                self._told = (*self._told, lane)
+                self._report_end(lane)
 
     def _report_pace(self, now: bool = False) -> None:
         wall_s = time.perf_counter()

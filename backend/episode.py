@@ -202,6 +202,7 @@ class Episode:
             cycle=self._pilot.result,
             cycles=self._pilot.cycles,
             outcome=None,
+            grip_n=0.0 if self._pilot.executor.phase in ("watch", "move", "approach") else world.grip_n(),
         )
 
 

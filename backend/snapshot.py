@@ -55,5 +55,7 @@ class Snapshot:
     cycles: int
     outcome: Outcome | None
     """Set on the last snapshot of an episode."""
+    grip_n: float = 0.0
+    """Sum of the normal forces with which the hand's links press on the object, from the moment it begins to close."""
     fingerprint: str | None = None
     """Hash of the whole trial, set on the last snapshot: equal for equal trials, live or headless."""

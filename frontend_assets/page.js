@@ -1,4 +1,5 @@
-// What viser's page cannot do by itself: copy a link, look back by a click on the timeline, and say why it stands still.
+// What viser's page cannot do by itself: copy a link, look back by a click on the timeline or a plot, choose a grasp by
+// its row, and say why it stands still.
 "use strict";
 
 let visitor = ""; // this page's key, as the server has told it
@@ -71,9 +72,7 @@ async function copyLink(link) {
   setTimeout(() => { link.textContent = label; }, 1500);
 }
 
-async function lookBack(strip, clientX) {
-  const [begin, end] = strip.dataset.strip.split(" ").map(Number);
-  const box = strip.getBoundingClientRect();
+async function lookBack({ begin, end, box }, clientX) {
   const share = Math.min(1, Math.max(0, (clientX - box.left) / box.width));
   const answer = await fetch("/api/v1/session/commands", {
     method: "POST",
@@ -89,16 +88,35 @@ document.addEventListener("click", (event) => {
     event.preventDefault();
     copyLink(link);
   }
+  const row = event.target.closest("[data-grasp]");
+  if (row) chooseGrasp(row.dataset.grasp);
+});
+document.addEventListener("keydown", (event) => {
+  const row = event.target.closest?.("[data-grasp]");
+  if (row && event.key === "Enter") chooseGrasp(row.dataset.grasp);
 });
 
+// As if the number had been typed into the box of the same panel.
+function chooseGrasp(number) {
+  const label = [...document.querySelectorAll("label")].find((one) => one.textContent.trim() === "Grasp no.");
+  const box = label && document.getElementById(label.htmlFor);
+  if (!box) return;
+  Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, "value").set.call(box, number);
+  box.dispatchEvent(new Event("input", { bubbles: true }));
+}
+
+// What is dragged along is drawn anew meanwhile, so its place is kept, not the element.
 let dragged = null;
 document.addEventListener("pointerdown", (event) => {
-  dragged = event.target.closest("[data-strip]");
-  if (dragged) lookBack(dragged, event.clientX);
+  const strip = event.target.closest("[data-strip]");
+  if (!strip) return;
+  const [begin, end] = strip.dataset.strip.split(" ").map(Number);
+  dragged = { begin, end, box: strip.getBoundingClientRect() };
+  lookBack(dragged, event.clientX);
 });
 let last = 0;
 document.addEventListener("pointermove", (event) => {
-  if (dragged && dragged.isConnected && event.timeStamp - last > 60) {
+  if (dragged && event.timeStamp - last > 60) {
     last = event.timeStamp;
     lookBack(dragged, event.clientX);
   }

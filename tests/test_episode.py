@@ -13,10 +13,14 @@ from backend.experiments.trial import run_trial
 from backend.knowledge import motion_aware
 from backend.knowledge.motion_aware import load_motion_aware
 from backend.methods import METHODS
+from backend.objects import load_object
 from backend.record import load_trace
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
 from backend.snapshot import Snapshot
 from tests.motion_models import plant_models
+
+STRONGEST_FRICTION = 3.0
+"""More than any two surfaces here have between them."""
 
 
 def scenario(name: str, *overrides: str) -> Scenario:
@@ -36,6 +40,10 @@ def test_a_trial_grasps_and_says_how():
     assert phases == ["watch", "move", "approach", "close", "lift", "hold", "done"]
     assert record.approach_start_s is not None and record.lift_end_s is not None
     assert 0 < record.approach_start_s < record.lift_end_s < record.end_s
+    assert {snapshot.grip_n for snapshot in seen if snapshot.phase in ("watch", "move", "approach")} == {0.0}
+    weight_n = 9.81 * load_object(record.object).mass_kg
+    carried = [snapshot.grip_n for snapshot in seen if snapshot.phase == "hold"]
+    assert min(carried) > weight_n / np.hypot(1.0, STRONGEST_FRICTION), "contacts that press less cannot carry it"
     last = seen[-1]
     assert last.outcome is not None and last.T_world_object.xyz_m[2] > seen[0].T_world_object.xyz_m[2] + 0.05
 

@@ -28,6 +28,11 @@ def headless(name: str) -> Scenario:
     return with_overrides(load_scenario(name), [f"{path}={value}" for path, value in SHORT.items()])
 
 
+def is_over(report: Progress) -> bool:
+    worlds = [report.snapshot, *([report.beside.snapshot] if report.beside else [])]
+    return all(snapshot.outcome is not None for snapshot in worlds)
+
+
 @dataclass(frozen=True)
 class Live:
     """The page's own simulation process, as fast as it goes."""
@@ -36,7 +41,10 @@ class Live:
 
     def trial(self, name: str, seed: int, *commands: Command, **how: Any) -> Snapshot:
         """The last snapshot of a trial that begins paused, obeys some commands, and then runs to its end."""
-        restart = Restart(scenario=name, seed=seed, overrides=SHORT, **how)
+        return self.ends(Restart(scenario=name, seed=seed, overrides=SHORT, **how), *commands).snapshot
+
+    def ends(self, restart: Restart, *commands: Command) -> Progress:
+        """The same, of two that are compared."""
         for command in (SetPaused(paused=True), restart, *commands, SetPaused(paused=False)):
             self.link.send(command)
         run = None
@@ -45,8 +53,8 @@ class Live:
             report = self.link.recv() if self.link.poll(1.0) else None
             if isinstance(report, Started) and report.restart == restart:
                 run = report.run
-            if isinstance(report, Progress) and report.run == run and report.snapshot.outcome is not None:
-                return report.snapshot
+            if isinstance(report, Progress) and report.run == run and is_over(report):
+                return report
         raise AssertionError("the live trial did not end")
 
 
@@ -88,3 +96,20 @@ def test_a_trial_gone_on_with_is_the_trial_it_was(live: Live):
     gone_on_with = live.trial("ur5_linear", 7, events=edits, from_tick=40)
     scheduled = headless("ur5_linear").model_copy(update={"events": edits})
     assert gone_on_with.fingerprint == from_start.fingerprint == run_trial(scheduled, seed=7).fingerprint
+
+
+@pytest.mark.parametrize(
+    ("name", "method", "other"), [("ur5_linear", "ours_rm", "no_seeding"), ("mico_linear_obstacles", "ik", "baseline")]
+)
+def test_either_of_two_that_are_compared_is_what_it_is_alone(live: Live, name: str, method: str, other: str):
+    """In one process and step by step with the other, edited alike, and whichever ends first."""
+    edit = SetBeltRate(rate=0.5)
+    wanted = {**SHORT, "timing.timeout_s": 20.0, "method": method}
+    restart = Restart(scenario=name, seed=4, overrides=wanted, compare=other)
+    both = live.ends(restart, *[STEP] * 10, ApplyEvent(event=edit))
+    assert both.beside is not None
+    for snapshot, by in ((both.snapshot, method), (both.beside.snapshot, other)):
+        scenario = with_overrides(load_scenario(name), [f"{path}={v}" for path, v in {**wanted, "method": by}.items()])
+        alone = scenario.model_copy(update={"events": (TimedEvent(tick=10, event=edit),)})
+        assert snapshot.fingerprint == run_trial(alone, seed=4).fingerprint
+    assert both.snapshot.fingerprint != both.beside.snapshot.fingerprint

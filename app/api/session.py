@@ -9,9 +9,10 @@ from app.api.control import Asker
 from app.api.examples import COMMANDS
 from app.commands import Command
 from app.people import Visitor
+from app.reports import Sight
 from app.session import Session
 from app.state import SessionState, Status
-from backend.pipeline.values import FailureReason, Phase
+from backend.pipeline.values import FailureReason, Outcome, Phase
 from backend.pose import Pose
 
 Point = tuple[float, float, float]
@@ -24,6 +25,19 @@ class OutcomeState(BaseModel):
     authors: bool
     reason: FailureReason | None
     detail: str
+
+
+class ComparedState(BaseModel):
+    """The same trial under the method compared with."""
+
+    method: str
+    tick: int
+    t_s: float
+    phase: Phase
+    object_m: Point
+    hand_m: Point
+    outcome: OutcomeState | None
+    fingerprint: str | None
 
 
 class CrashState(BaseModel):
@@ -62,6 +76,9 @@ class State(BaseModel):
     hand_m: Point | None
     """Where the tcp is, in the world."""
     outcome: OutcomeState | None
+    fingerprint: str | None
+    """Of the whole trial, once it has ended: equal for equal trials, here or headless."""
+    compared: ComparedState | None
     crash: CrashState | None
     refused_commands: int
     last_refusal: str
@@ -91,7 +108,7 @@ def session_router(session: Session) -> APIRouter:
 
 def describe(state: SessionState) -> State:
     """``state`` in plain figures."""
-    snapshot, outcome = state.snapshot, state.snapshot.outcome if state.snapshot else None
+    snapshot = state.snapshot
     return State(
         simulation=state.status,
         loading=state.loading,
@@ -111,18 +128,36 @@ def describe(state: SessionState) -> State:
         phase=snapshot.phase if snapshot else None,
         cycles=snapshot.cycles if snapshot else None,
         belt_rate=snapshot.belt_rate if snapshot else None,
-        looked_at_s=state.looked_at.snapshot.t_s if state.looked_at else None,
+        looked_at_s=state.looked_at.t_s if state.looked_at else None,
         live_edits=len(state.events),
         object_m=_point(snapshot.T_world_object) if snapshot else None,
         hand_m=_point(snapshot.T_world_tcp) if snapshot else None,
-        outcome=OutcomeState(
-            strict=outcome.strict, authors=outcome.authors, reason=outcome.reason, detail=outcome.detail
-        )
-        if outcome
-        else None,
+        outcome=_outcome(snapshot.outcome if snapshot else None),
+        fingerprint=snapshot.fingerprint if snapshot else None,
+        compared=_compared(state.restart.compare, state.beside),
         crash=CrashState(cause=state.crash.cause, traceback=state.crash.traceback) if state.crash else None,
         refused_commands=state.refusals[0],
         last_refusal=state.refusals[1],
+    )
+
+
+def _outcome(outcome: Outcome | None) -> OutcomeState | None:
+    return None if outcome is None else OutcomeState.model_validate(outcome, from_attributes=True)
+
+
+def _compared(method: str | None, beside: Sight | None) -> ComparedState | None:
+    if method is None or beside is None:
+        return None
+    snapshot = beside.snapshot
+    return ComparedState(
+        method=method,
+        tick=snapshot.tick,
+        t_s=snapshot.t_s,
+        phase=snapshot.phase,
+        object_m=_point(snapshot.T_world_object),
+        hand_m=_point(snapshot.T_world_tcp),
+        outcome=_outcome(snapshot.outcome),
+        fingerprint=snapshot.fingerprint,
     )
 
 

@@ -71,23 +71,23 @@ def share_router(session: Session) -> APIRouter:
         return _file(text.encode(), "application/toml", f"{_name(session)}.toml")
 
     @router.get("/session/trace.npz", response_class=Response)
-    def trace() -> Response:
-        """The course of the trial, for `python -m backend replay`; 404 before its end."""
-        return _of_keepsake(session, lambda left: left.trace, "application/octet-stream", "npz")
+    def trace(compared: bool = False) -> Response:
+        """The course of the trial, or of the one compared with, for `python -m backend replay`; 404 before its end."""
+        return _of_keepsake(session, compared, lambda left: left.trace, "application/octet-stream", "npz")
 
     @router.get("/session/outcome.json", response_class=Response)
-    def outcome() -> Response:
-        """The trial's row; 404 before its end."""
-        return _of_keepsake(session, _row, "application/json", "json")
+    def outcome(compared: bool = False) -> Response:
+        """The row of the trial, or of the one compared with; 404 before its end."""
+        return _of_keepsake(session, compared, _row, "application/json", "json")
 
     @router.get("/session/replay.html", response_class=Response)
     def replay() -> Response:
         """The last minute of the trial, to be played by any browser without this server."""
-        started, moments = session.state.started, session.history.moments()
-        if started is None or not moments:
+        state, moments = session.state, session.history.moments()
+        if state.started is None or not moments:
             raise NotFoundError("There is nothing to replay yet.")
         with one_at_a_time:
-            return _file(replay_html(started.scene, moments).encode(), "text/html", f"{_name(session)}.html")
+            return _file(replay_html(state, state.started, moments).encode(), "text/html", f"{_name(session)}.html")
 
     return router
 
@@ -102,13 +102,16 @@ def _own_events(session: Session) -> tuple[object, ...]:
     return values.events[: len(values.events) - added]
 
 
-def _of_keepsake(session: Session, part: Callable[[Keepsake], bytes], media_type: str, ending: str) -> Response:
+def _of_keepsake(
+    session: Session, compared: bool, part: Callable[[Keepsake], bytes], media_type: str, ending: str
+) -> Response:
     state = session.state
-    left = state.keepsake
+    left, sight = (state.keepsake_beside, state.beside) if compared else (state.keepsake, state)
     if left is None:
-        over = state.snapshot is not None and state.snapshot.outcome is not None
+        snapshot = None if sight is None else sight.snapshot
+        over = snapshot is not None and snapshot.outcome is not None
         raise NotFoundError(f"Nothing was kept of this trial. {state.refusals[1]}" if over else NOT_OVER)
-    return _file(part(left), media_type, f"{_name(session)}.{ending}")
+    return _file(part(left), media_type, f"{_name(session)}{'_compared' if compared else ''}.{ending}")
 
 
 def _name(session: Session) -> str:

@@ -7,7 +7,6 @@ import io
 import secrets
 import threading
 import time
-from dataclasses import replace
 
 import viser
 
@@ -17,7 +16,6 @@ from app.state import SessionState
 from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
 from app.ui.help import Guide
-from app.ui.layers import LAYERS, Layer, Picture
 from app.ui.memory import Memory
 from app.ui.panels import View
 from app.ui.panels.legend import add_legend, add_view_switches
@@ -27,9 +25,8 @@ from app.ui.rooms import furnish, light
 from app.ui.start import start_viser
 from app.ui.theme import Theme
 from app.ui.touch import DeskTouch
+from app.ui.worlds import Worlds
 from backend.errors import GraspingError
-from backend.pipeline.values import CycleResult
-from backend.snapshot import Snapshot
 
 FRAME_S = 1 / 30
 PANELS_S = 1 / 5
@@ -49,12 +46,9 @@ class Dashboard:
         self._desk = Desk(self.server, session)
         self._auto_next = AutoNext(auto_next)
         self._tally = Tally()
-        self._layers: list[Layer] = [layer(self.server.scene, DeskTouch(self._desk)) for layer in LAYERS]
+        self._worlds = Worlds(self.server.scene, DeskTouch(self._desk))
         self._stopping = threading.Event()
         self._begun: Started | None = None
-        self._drawn: Snapshot | None = None
-        self._drawn_cycle: CycleResult | None = None
-        self._drawn_looks = self._desk.looks
         self._panels_due_s = 0.0
         self._refusals = 0
         light(self.server.scene, low_fx)
@@ -81,7 +75,7 @@ class Dashboard:
     def _add_view_tab(self) -> None:
         gui = self.server.gui
         add_view_switches(gui, self._camera, self._theme, self._guide)
-        add_legend(gui, self._layers, self._desk)
+        add_legend(gui, self._worlds, self._desk)
 
     async def _seat(self, client: viser.ClientHandle) -> None:
         self._desk.who.arrive(client)
@@ -95,11 +89,11 @@ class Dashboard:
         self._guide.welcome(client)
 
     def _run(self) -> None:
-        seen: Snapshot | None = None
+        state: SessionState | None = None
         while not self._stopping.is_set():
-            state = self._session.next_snapshot(seen, FRAME_S)
-            seen = state.snapshot
-            self._desk.fulfil()
+            state = self._session.next_tick(state, FRAME_S)
+            if self._desk.fulfil():
+                self._panels_due_s = 0.0  # whoever asked for something sees it at once
             self.draw(state)
 
     def draw(self, state: SessionState) -> None:
@@ -110,7 +104,8 @@ class Dashboard:
         if not self.server.get_clients():
             return
         with self.server.atomic():
-            self._draw_layers(state.shown)
+            if state.started is not None:
+                self._worlds.draw(state.shown, self._desk.looks)
             if now_s >= self._panels_due_s:
                 self._panels_due_s = now_s + PANELS_S
                 self._draw_panels(state, now_s)
@@ -119,24 +114,9 @@ class Dashboard:
         """A new trial is built even while nobody looks, so that whoever comes sees it at once."""
         load_robot_parts(started.scene.robot)  # slow at first; nothing is sent during an atomic block
         with self.server.atomic():
-            for layer in self._layers:
-                layer.begin(started.scene)
-            self._camera.begin(started.scene)
-        self._begun, self._drawn, self._drawn_cycle = started, None, None
-
-    def _draw_layers(self, state: SessionState) -> None:
-        snapshot = state.snapshot
-        if state.started is None or snapshot is None:
-            return
-        looks = self._desk.looks
-        if snapshot is self._drawn and looks == self._drawn_looks:
-            return
-        picture = Picture(state.started.scene, snapshot, state.traces, True, looks)
-        if picture.cycle is self._drawn_cycle and looks == self._drawn_looks:
-            picture = replace(picture, new_cycle=False)
-        for layer in self._layers:
-            layer.draw(picture)
-        self._drawn, self._drawn_cycle, self._drawn_looks = snapshot, picture.cycle, looks
+            self._worlds.begin(started)
+            self._camera.begin(started)
+        self._begun = started
 
     def _draw_panels(self, state: SessionState, now_s: float) -> None:
         self._tally = self._tally.after(state)

@@ -97,14 +97,15 @@ class Desk:
             self._mirrored[key] = truth
         widget.value = truth
 
-    def fulfil(self) -> None:
-        """Do what is due; called by the dashboard's thread only."""
+    def fulfil(self) -> bool:
+        """Do what is due, and say whether there was anything; called by the dashboard's thread only."""
         now = time.monotonic()
         with self._lock:
             due = [key for key, wish in self._wishes.items() if wish.due_s <= now]
             wishes = [(key, self._wishes.pop(key)) for key in due]
         for key, wish in wishes:
             self._fulfil(key, wish)
+        return bool(wishes)
 
     def send(self, command: Command) -> None:
         """Pass a command on; raises ``GraspingError``."""
@@ -123,7 +124,7 @@ class Desk:
         """
         now = self.session.state.restart
         if scenario is not None and scenario != now.scenario:
-            return self.begin(scenario=scenario, seed=now.seed if seed is None else seed)
+            return self.begin(scenario=scenario, seed=now.seed if seed is None else seed, compare=now.compare)
         same = seed is None and not overrides
         return self.begin(
             scenario=now.scenario,
@@ -131,7 +132,13 @@ class Desk:
             seed=now.seed if seed is None else seed,
             overrides=merged(now.overrides, overrides or {}),
             events=now.events if same else (),
+            compare=now.compare,
         )
+
+    def compare(self, method: str | None) -> Restart:
+        """Restart the same trial beside one under another method, or alone; raises ``GraspingError``."""
+        now = self.session.state.restart.model_copy(update={"from_tick": 0})
+        return self.begin(**{**now.model_dump(exclude={"kind"}), "compare": method})
 
     def begin(self, **values: Any) -> Restart:
         """Begin a trial from nothing but what is given; raises ``GraspingError``."""

@@ -24,8 +24,8 @@ SHORTCUTS: tuple[tuple[str, str], ...] = (
 MOUSE: tuple[tuple[str, str], ...] = (
     ("Drag", "turn the view; right button moves it, wheel zooms"),
     ("Drag an obstacle", "put it elsewhere, while the trial runs"),
-    ("Click a small hand", "show the card of that grasp"),
-    ("Click the timeline", "look back at that moment"),
+    ("Click a small hand", "show the card of that grasp; so does its row in the tab Grasps"),
+    ("Click the timeline", "look back at that moment; so does a click on a plot"),
 )
 
 
@@ -46,12 +46,12 @@ CARDS = (
     Card(
         "Left: what happens, and why",
         "The coloured block says what the arm is doing and how the trial ended. The tab Grasps shows how a hundred "
-        "grasps come down to one, with the reason for every rejection.",
+        "grasps come down to one, with the reason for every rejection; Signals plots what is measured.",
     ),
     Card(
         "Right: what you can change",
         "Belt speed acts at once. Scenario, task, sensing and every part of the method restart the trial with the same "
-        "seed, so that you see what the change does.",
+        "seed, so that you see what the change does. Compare with, in the tab Method, runs two methods side by side.",
     ),
     Card(
         "Below: the last minute",

@@ -24,6 +24,15 @@ TRAIL: Rgb = (12, 166, 120)
 PICKED: Rgb = (214, 51, 108)
 RANKS: tuple[Rgb, ...] = ((43, 138, 62), (130, 201, 30), (252, 196, 25), (253, 126, 20))
 """Best to worst of the shortlist."""
+SERIES: tuple[Rgb, ...] = (
+    (28, 126, 214),
+    (12, 166, 120),
+    (245, 159, 0),
+    (214, 51, 108),
+    (112, 72, 232),
+    (134, 142, 150),
+)
+"""Told apart in one plot: joints, rooms."""
 GOOD: Rgb = (43, 138, 62)
 BAD: Rgb = (201, 42, 42)
 QUIET: Rgb = (134, 142, 150)

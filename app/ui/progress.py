@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from app.state import SessionState
+from backend.snapshot import Snapshot
 
 WAIT_S = 4.0
 """How long an outcome stays on the page."""
@@ -17,19 +18,28 @@ class Tally:
     kind: tuple[object, ...] = ()
     ended: int = 0
     grasped: int = 0
+    grasped_beside: int = 0
+    """By the method compared with."""
     last_run: object = None
 
     def after(self, state: SessionState) -> Tally:
         """This tally with the outcome in ``state``, if it has one that was not counted yet."""
         restart = state.restart
-        kind = (restart.scenario, *sorted(restart.overrides.items()))
+        kind = (restart.scenario, restart.compare, *sorted(restart.overrides.items()))
         tally = self if kind == self.kind else Tally(kind)
-        if state.loading or state.snapshot is None or state.snapshot.outcome is None:
+        if state.loading or not state.over or state.started is tally.last_run:
             return tally
-        if state.started is tally.last_run:
-            return tally
-        grasped = tally.grasped + state.snapshot.outcome.strict
-        return replace(tally, ended=tally.ended + 1, grasped=grasped, last_run=state.started)
+        return replace(
+            tally,
+            ended=tally.ended + 1,
+            grasped=tally.grasped + _grasped(state.snapshot),
+            grasped_beside=tally.grasped_beside + _grasped(state.beside.snapshot if state.beside else None),
+            last_run=state.started,
+        )
+
+
+def _grasped(snapshot: Snapshot | None) -> bool:
+    return snapshot is not None and snapshot.outcome is not None and snapshot.outcome.strict
 
 
 class AutoNext:
@@ -42,8 +52,7 @@ class AutoNext:
 
     def remaining_s(self, state: SessionState, now_s: float) -> float | None:
         """Seconds until the next trial, 0 or less when it is due; None while none is to come."""
-        over = state.snapshot is not None and state.snapshot.outcome is not None
-        if not self.enabled or not over or state.loading or state.pace.paused or state.status != "running":
+        if not self.enabled or not state.over or state.loading or state.pace.paused or state.status != "running":
             self._run = None
             return None
         if self._run is not state.started:

@@ -8,42 +8,39 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from app.history import Moment
-from app.ui.camera import FIELD_OF_VIEW_RAD, viewpoint
-from app.ui.layers import LAYERS, Layer, Picture
+from app.reports import Started
+from app.state import SessionState
+from app.ui.camera import FIELD_OF_VIEW_RAD, beside_m, viewpoint
+from app.ui.looks import Looks
 from app.ui.rooms import light
 from app.ui.start import start_viser
 from app.ui.touch import Untouched
-from backend.snapshot import SceneDescription
+from app.ui.worlds import Worlds
 
 FRAME_S = 1 / 15
 LONGEST_GAP_S = 1.0
 """Nothing is waited for longer than this: a minute that begins late in a trial begins at once."""
 
 
-def replay_html(scene: SceneDescription, moments: Sequence[Moment]) -> str:
+def replay_html(state: SessionState, started: Started, moments: Sequence[Moment]) -> str:
     """Play ``moments`` into a viser of its own that nobody watches, and keep what it would have sent."""
     server = start_viser()
     try:
         light(server.scene, low_fx=True)
-        position, look_at = viewpoint(scene)
+        position, look_at = viewpoint(started.scene, beside_m(started))
         server.initial_camera.position, server.initial_camera.look_at = position, look_at
         server.initial_camera.fov = FIELD_OF_VIEW_RAD
-        layers: list[Layer] = [layer(server.scene, Untouched()) for layer in LAYERS]
-        for layer in layers:
-            layer.begin(scene)
+        worlds = Worlds(server.scene, Untouched())
+        worlds.begin(started)
         recording = server.get_scene_serializer()
-        shown_s, cycle = -FRAME_S, None
+        shown_s = -FRAME_S
         for moment in moments:
-            elapsed_s = moment.snapshot.t_s - shown_s
+            elapsed_s = moment.t_s - shown_s
             if elapsed_s < 0.99 * FRAME_S:
                 continue
-            picture = Picture(scene, moment.snapshot, moment.traces, new_cycle=True)
-            if picture.cycle is cycle:
-                picture = replace(picture, new_cycle=False)
-            for layer in layers:
-                layer.draw(picture)
+            worlds.draw(replace(state, looked_at=moment).shown, Looks())
             recording.insert_sleep(min(elapsed_s, LONGEST_GAP_S))
-            shown_s, cycle = moment.snapshot.t_s, picture.cycle
+            shown_s = moment.t_s
         return recording.as_html()
     finally:
         with contextlib.redirect_stdout(io.StringIO()):

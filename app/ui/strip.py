@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from html import escape
 
 from app.history import KEPT_S, Moment
-from app.ui.palette import BAD, CYCLE, PHASES, QUIET, css
+from app.ui.contenders import Contender
+from app.ui.palette import BAD, CYCLE, LINK, PHASES, QUIET, css
 from app.ui.words import PHASES as PHASE_WORDS
 from backend.pipeline.values import Phase
 
@@ -58,14 +59,30 @@ def span_s(moments: Sequence[Moment]) -> tuple[float, float]:
     """First and last time that the strip shows."""
     if not moments:
         return 0.0, SHORTEST_S
-    end_s = moments[-1].snapshot.t_s
+    end_s = moments[-1].t_s
     begin_s = max(0.0, end_s - KEPT_S)
     return begin_s, max(end_s, begin_s + SHORTEST_S)
 
 
-def strip_svg(moments: Sequence[Moment], looked_at_s: float | None) -> str:
-    """The band, the marks below it (planned, refused), and a line at the moment looked at."""
-    begin_s, end_s = span_s(moments)
+def strip_svg(moments: Sequence[Moment], looked_at_s: float | None, compared: Sequence[Contender] = ()) -> str:
+    """A band of phases, marks for its cycles, a line at the moment looked at; two bands where two are compared."""
+    span = span_s(moments)
+    bands = [_band(moments, span, looked_at_s)]
+    if compared:
+        beside = [Moment(moment.beside.snapshot, None) for moment in moments if moment.beside]
+        lanes = zip(compared, (bands[0], _band(beside, span, looked_at_s)), strict=True)
+        bands = [_caption(contender) + band for contender, band in lanes]
+    ends = f"<span>{span[0]:.0f} s</span>{_key()}<span>{span[1]:.0f} s</span>"
+    scale = f'<div style="display:flex;justify-content:space-between">{ends}</div>'
+    return (
+        f'<div style="margin:4px 12px 0;font-size:10px;color:{css(QUIET)}">'
+        f'<div data-strip="{span[0]:g} {span[1]:g}" style="cursor:pointer">{"".join(bands)}</div>'
+        f"{scale}</div>"
+    )
+
+
+def _band(moments: Sequence[Moment], span: tuple[float, float], looked_at_s: float | None) -> str:
+    begin_s, end_s = span
 
     def x(t_s: float) -> float:
         return round(WIDTH * (t_s - begin_s) / (end_s - begin_s), 1)
@@ -94,13 +111,14 @@ def strip_svg(moments: Sequence[Moment], looked_at_s: float | None) -> str:
         parts.append(f'<path d="{line}" stroke="{css(BAD)}" stroke-width="2" vector-effect="non-scaling-stroke"/>')
     size = f'viewBox="0 0 {WIDTH} {BAND + MARKS}" preserveAspectRatio="none" width="100%" height="{BAND + MARKS}"'
     svg = f'<svg {size} style="display:block">{"".join(parts)}</svg>'
-    ends = f"<span>{begin_s:.0f} s</span>{_key()}<span>{end_s:.0f} s</span>"
-    scale = f'<div style="display:flex;justify-content:space-between">{ends}</div>'
-    return (
-        f'<div style="margin:4px 12px 0;font-size:10px;color:{css(QUIET)}">'
-        f'<div data-strip="{begin_s:g} {end_s:g}" style="position:relative;cursor:pointer">{svg}{"".join(labels)}</div>'
-        f"{scale}</div>"
-    )
+    return f'<div style="position:relative">{svg}{"".join(labels)}</div>'
+
+
+def _caption(contender: Contender) -> str:
+    """Above a band: which method it is, and what has become of it."""
+    color = LINK if contender.outcome is None else contender.color  # readable in light and dark
+    style = f"font-size:11px;font-weight:600;line-height:15px;color:{css(color)}"
+    return f'<div style="{style}">{escape(contender.words)}</div>'
 
 
 def _key() -> str:

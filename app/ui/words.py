@@ -93,11 +93,16 @@ def legend(rows: list[tuple[Rgb, str]]) -> str:
     )
 
 
-def ranking(heads: tuple[str, ...], rows: list[tuple[Rgb, tuple[str, ...]]]) -> str:
-    """HTML of a table whose rows begin with a coloured mark; the last column is words, the others are figures."""
+def ranking(heads: tuple[str, ...], rows: list[tuple[Rgb, tuple[str, ...]]], chosen: str = "") -> str:
+    """HTML of a table whose rows begin with a coloured mark; the last column is words, the others are figures.
+
+    The first figure says which grasp it is: a click on the row shows its card. That of ``chosen`` is marked.
+    """
     title = "".join(f'<th style="{_cell(i, len(heads))}">{escape(head)}</th>' for i, head in enumerate(heads))
     lines = "".join(
-        f'<tr><td style="width:10px"><span style="display:block;width:8px;height:8px;border-radius:2px;'
+        f'<tr data-grasp="{escape(row[0])}" tabindex="0" role="button" title="Show the card of grasp {escape(row[0])}" '
+        f'style="cursor:pointer{";background:rgba(134,142,150,0.25)" if row[0] == chosen else ""}">'
+        f'<td style="width:10px"><span style="display:block;width:8px;height:8px;border-radius:2px;'
         f'background:{css(color)}"></span></td>'
         + "".join(f'<td style="{_cell(i, len(row))}">{escape(text)}</td>' for i, text in enumerate(row))
         + "</tr>"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 
 from backend.bench.course import Course, Problem, scene_of, show
 from backend.bench.figure import Figure
+from backend.deviation import deviation
 from backend.methods.method import Chomp, FastLadder, PlannerConfig, Prm, RrtConnect
 from backend.pipeline.plan import make_planner
 from backend.pipeline.values import Plan
@@ -61,21 +61,9 @@ def answers(config: PlannerConfig, scene: PlanningScene, problems: Sequence[Prob
         path = plan.path if isinstance(plan, Plan) else None
         gap = np.nan
         if path is not None and request.seed_path is not None:
-            gap = deviation_rad(path.waypoints, request.seed_path.waypoints)
+            gap = deviation(path.waypoints, request.seed_path.waypoints, DENSE_RAD)
         out.append(Answer(took_s, path, gap))
     return out
-
-
-def deviation_rad(waypoints: Array, reference: Array) -> float:
-    """Largest distance in joint space from a point of one path to the other path."""
-    points = _dense(waypoints)
-    if len(reference) == 1:
-        return float(np.linalg.norm(points - reference[0], axis=1).max())
-    edges = np.diff(reference, axis=0)
-    squares = np.maximum((edges**2).sum(axis=1), 1e-12)
-    away = points[:, None] - reference[:-1]
-    along = np.clip((away * edges).sum(axis=2) / squares, 0.0, 1.0)
-    return float(np.linalg.norm(away - along[..., None] * edges, axis=2).min(axis=1).max())
 
 
 def figures(found: dict[tuple[str, bool], list[Answer]]) -> list[Figure]:
@@ -103,11 +91,3 @@ def figures(found: dict[tuple[str, bool], list[Answer]]) -> list[Figure]:
 
 def _median(values: Array) -> float:
     return float(np.median(values)) if len(values) else float("nan")
-
-
-def _dense(waypoints: Array) -> Array:
-    parts = [waypoints[:1]]
-    for a, b in itertools.pairwise(waypoints):
-        count = max(1, int(np.ceil(np.linalg.norm(b - a) / DENSE_RAD)))
-        parts.append(a + np.linspace(0.0, 1.0, count + 1)[1:, None] * (b - a))
-    return np.concatenate(parts)

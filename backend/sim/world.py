@@ -159,6 +159,10 @@ class World:
                 others = True
         return links, others
 
+    def grip_n(self) -> float:
+        """Sum of the normal forces between the robot's links and the object in the last step, N."""
+        return sum(contact.normal_force_n for contact in self._bullet.contacts(self._target, self._robot.body))
+
     def _carry(self, tray_xyz_m: Array, velocity_mps: Array) -> None:
         """Drive the tray through the coming step; it never turns."""
         self._bullet.carry(self._tray, tray_xyz_m + self._tray_center.xyz_m, self._tray_wxyz, velocity_mps)

@@ -79,11 +79,12 @@ def tcp_of(q: Array) -> Pose:
 
 
 class FakeEpisode:
-    """20 s of pretending, then success for even seeds and a drop for odd ones."""
+    """20 s of pretending, then success for even seeds and a drop for odd ones; the baseline fails after 10 s."""
 
     def __init__(self, info: TrialInfo, seed: int) -> None:
         self._info = info
         self._seed = seed
+        self._ticks = 300 if info.method == "baseline" else 600
         self._rate = 1.0
         self._s_m = 0.0
         speed = info.speed_mps or 0.02
@@ -108,12 +109,12 @@ class FakeEpisode:
         self.closed = True
 
     def keepsake(self) -> Keepsake:
-        return Keepsake({"seed": self._seed, "fingerprint": "0123456789abcdef"}, b"a trace")
+        return Keepsake({"seed": self._seed, "lift_end_s": 17.5}, f"a trace of {self._info.method}".encode())
 
     def run(self) -> Iterator[Snapshot]:
-        """600 ticks; every sixth brings a new cycle."""
+        """600 ticks, or 300; every sixth brings a new cycle."""
         cycle = None
-        for tick in range(601):
+        for tick in range(self._ticks + 1):
             if self._info.scenario == "boom" and tick == 20:
                 raise ZeroDivisionError("the fake world has come apart")
             if self._info.scenario == "boom" and self._seed == 99:
@@ -139,9 +140,11 @@ class FakeEpisode:
             "hold",
             "done",
         )
-        last = tick == 600
+        last = tick == self._ticks
         good = self._seed % 2 == 0
         outcome = Outcome(good, good, None if good else "dropped", "" if good else "The object slipped away.")
+        if self._info.method == "baseline":
+            outcome = Outcome(False, False, "belt_end")
         q = self._q(t_s)
         names = joint_names(self._info.robot)
         T_tray = Pose.of(self._start + np.array([0.0, self._s_m, 0.0]))

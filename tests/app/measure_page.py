@@ -141,11 +141,14 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m tests.app.measure_page", description=__doc__)
     parser.add_argument("--minutes", type=float, default=1.0)
     parser.add_argument("--scenario", default="ur5_linear")
+    parser.add_argument("--compare", metavar="METHOD", help="with the same trial under another method beside it")
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
     options = parser.parse_args()
     with serve("--no-tour", "--scenario", options.scenario, module=("run_server.py",)) as served:
         while served.state()["tick"] is None:
             time.sleep(0.2)
+        if options.compare:
+            served.command(kind="restart", scenario=options.scenario, compare=options.compare)
         result = measure(served, options.minutes)
     met = {
         "first_frame_s": result.first_frame_s <= FIRST_FRAME_S,

@@ -8,6 +8,8 @@ import math
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
 from typing import cast
 
 import httpx
@@ -18,6 +20,7 @@ from tests.app.browser import button, choose, close_notifications, open_browser,
 from tests.app.served import ROOT, Served, serve
 
 PICTURES = (("dashboard_ur5", "ur5_linear_obstacles", "Trial"), ("dashboard_mico", "mico_linear_slab", "Grasps"))
+COMPARED = {"scenario": "ur5_linear", "seed": 0, "overrides": {"method": "ours_rm"}, "compare": "no_prediction"}
 SCORE = "Lift success"
 NEAR_M = 0.4
 PATIENCE_S = 300.0
@@ -32,32 +35,49 @@ GRID_PATIENCE_S = 1200.0
 
 
 def main() -> None:
-    """One picture per arm, each at a moment when the hand is on its way to the object; one of a running grid."""
+    """Both arms, at a moment when the hand is on its way to the object; two methods compared; a running grid."""
     wanted = sys.argv[1:]
     with open_browser() as browser:
         for name, scenario, left in PICTURES:
             if wanted and name not in wanted:
                 continue
-            flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
-            with serve(*flags, module=("run_server.py",)) as served:
-                _take(browser, served, name, left)
+            with _page_of(browser, scenario) as (served, page):
+                tab(page, left)
+                if left == "Grasps":
+                    choose(page, "Colour by", SCORE)
+                _play_to_a_good_moment(served, page)
+                _save_at_rest(page, name, served)
+        if not wanted or "dashboard_compare" in wanted:
+            _take_comparison(browser)
         if not wanted or "experiments" in wanted:
             with tempfile.TemporaryDirectory() as folder:
                 _take_grid(browser, folder)
 
 
-def _take(browser: Browser, served: Served, name: str, left: str) -> None:
-    with open_page(browser, served.address) as page:
+def _take_comparison(browser: Browser) -> None:
+    """When both have ended."""
+    with _page_of(browser, str(COMPARED["scenario"])) as (served, page):
+        tab(page, "Method")
+        served.command(kind="restart", **COMPARED)
+        _play_until(served, lambda state: state["compared"] is not None and state["outcome"] is not None)
+        _play_until(served, lambda state: cast("dict[str, object]", state["compared"])["outcome"] is not None)
+        _save_at_rest(page, "dashboard_compare", served)
+
+
+@contextmanager
+def _page_of(browser: Browser, scenario: str) -> Generator[tuple[Served, Page]]:
+    flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
+    with serve(*flags, module=("run_server.py",)) as served, open_page(browser, served.address) as page:
         wait_for_node(page, "/object/body", 120.0)
         close_notifications(page)
-        tab(page, left)
-        if left == "Grasps":
-            choose(page, "Colour by", SCORE)
-        page.mouse.move(640, 60)  # no tooltip in the picture
-        _play_to_a_good_moment(served, page)
-        time.sleep(3.0)
-        _save(page, name)
-        print(f"seed {served.state()['seed']}")
+        yield served, page
+
+
+def _save_at_rest(page: Page, name: str, served: Served) -> None:
+    page.mouse.move(640, 60)  # no tooltip in the picture
+    time.sleep(3.0)
+    _save(page, name)
+    print(f"seed {served.state()['seed']}")
 
 
 def _take_grid(browser: Browser, folder: str) -> None:
@@ -82,6 +102,16 @@ def _save(page: Page, name: str) -> None:
     picture = Image.open(io.BytesIO(page.screenshot()))
     picture.convert("RGB").save(path, optimize=True)
     print(f"{path.relative_to(ROOT)}: {path.stat().st_size / 1e3:.0f} kB")
+
+
+def _play_until(served: Served, ready: Callable[[dict[str, object]], bool]) -> None:
+    served.command(kind="set_paused", paused=False)
+    deadline = time.monotonic() + PATIENCE_S
+    while not ready(served.state()):
+        if time.monotonic() > deadline:
+            raise TimeoutError(f"Not reached within {PATIENCE_S:g} s: {served.state()}")
+        time.sleep(0.1)
+    served.command(kind="set_paused", paused=True)
 
 
 def _play_to_a_good_moment(served: Served, page: Page) -> None:

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from app.commands import LARGEST_FILE_CHARS, OverrideValue, Restart
 from app.inbound import is_allowed
-from app.permalink import address_of, trial_at
+from app.permalink import PARTS, address_of, trial_at
 from app.wanted import read_scenario, scenario_of
 from backend.errors import GraspingError, InvalidInputError, NotFoundError
 from backend.events import MoveObstacle, SetBeltRate, TimedEvent
@@ -39,6 +39,7 @@ TRIALS = st.builds(
     seed=st.integers(0, 2**31 - 1),
     overrides=st.dictionaries(st.text(min_size=1), VALUES, max_size=5),
     events=st.lists(EVENTS, max_size=5).map(tuple),
+    compare=st.none() | st.text(min_size=1, max_size=100),
     file=st.none() | st.text(max_size=500),
 )
 
@@ -70,7 +71,7 @@ def test_a_link_that_cannot_be_used_says_which_part(query: dict[str, str], compl
     assert complaint in str(refused.value)
 
 
-@given(st.dictionaries(st.sampled_from(["scenario", "seed", "set", "edits", "file"]), st.text(max_size=300)))
+@given(st.dictionaries(st.sampled_from(list(PARTS)), st.text(max_size=300)))
 def test_no_link_breaks_anything(query: dict[str, str]) -> None:
     try:
         trial_at(query)
@@ -173,10 +174,25 @@ def test_what_a_trial_leaves_can_be_had_once_it_has_ended(served: Served) -> Non
     served.command(kind="set_speed", speed=None)
     served.command(kind="set_paused", paused=False)
     wait_for(served, tick=600)
-    assert get(served, "/api/v1/session/trace.npz").content == b"a trace"
+    assert get(served, "/api/v1/session/trace.npz").content == b"a trace of ik"
     assert json.loads(get(served, "/api/v1/session/outcome.json").text)["seed"] == 0
     served.command(kind="set_speed", speed=1.0)
     served.command(kind="set_paused", paused=True)
+
+
+def test_what_the_one_compared_with_leaves_can_be_had_as_well(served: Served) -> None:
+    served.command(kind="restart", scenario="ur5_linear", seed=0, compare="baseline")
+    wait_for(served, seed=0, tick=0, loading=False)
+    served.command(kind="set_speed", speed=None)
+    served.command(kind="set_paused", paused=False)
+    wait_for(served, tick=600)
+    answer = get(served, "/api/v1/session/trace.npz?compared=true")
+    assert answer.content == b"a trace of baseline" and "seed0_compared.npz" in answer.headers["content-disposition"]
+    assert get(served, "/api/v1/session/trace.npz").content == b"a trace of ik"
+    both = get(served, "/api/v1/session/replay.html")
+    served.command(kind="set_speed", speed=1.0)
+    served.command(kind="set_paused", paused=True)
+    assert both.status_code == 200 and "__VISER_EMBED_DATA__" in both.text
 
 
 def test_a_file_that_is_too_long_is_refused_by_the_command_itself(served: Served) -> None:

@@ -102,6 +102,7 @@ def test_more_browsers_than_allowed_are_turned_away(served: Served) -> None:
             "<b>nowhere</b>",
             "There is no scenario named '<b>nowhere</b>'. Available:",
         ),
+        ("GuiDropdownMessage", "Compare with", "<b>best</b>", "There is no method named '<b>best</b>'. Available:"),
         ("GuiDropdownMessage", "Speed", "17", "There is no speed named '17'. Available: 1, 1/2, 1/4, 1/8"),
         ("GuiButtonGroupMessage", "Direction", "Up", "direction: choose one of Forth, Stop, Back (got 'Up')"),
         ("GuiButtonGroupMessage", "Time", "Explode", "There is no button named 'Explode'"),

@@ -10,7 +10,7 @@ import pytest
 from backend.bench.course import Course, run_course, scene_of, show
 from backend.bench.figure import Figure
 from backend.bench.motion import peaks, reversals
-from backend.bench.seeding import deviation_rad, hard_problems
+from backend.bench.seeding import hard_problems
 from backend.bench.truth import Truth
 from backend.cli import main
 from backend.pose import Pose
@@ -52,13 +52,6 @@ def test_reversals_are_the_turns_of_a_wave():
     still = np.zeros(600)
     assert reversals(np.column_stack([np.sin(phase), still, phase])) == 6
     assert reversals(np.column_stack([still, 1e-5 * np.sin(50.0 * phase)])) == 0
-
-
-def test_deviation_is_the_farthest_point_of_the_path():
-    reference = np.array([[0.0, 0.0], [1.0, 0.0]])
-    assert deviation_rad(reference, reference) == 0.0
-    assert deviation_rad(np.array([[0.0, 0.0], [0.5, 0.3], [1.0, 0.0]]), reference) == pytest.approx(0.3)
-    assert deviation_rad(np.array([[0.0, 0.0], [2.0, 0.0]]), reference) == pytest.approx(1.0)
 
 
 def test_a_course_is_what_its_trial_planned(course: Course):

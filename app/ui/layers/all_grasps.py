@@ -30,10 +30,10 @@ class AllGraspsLayer:
     title = "All grasps"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.QUIET, "Other grasps"), (palette.BAD, "Out of reach"))
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
         self._touch = touch
-        self._root = Root(scene, "/all_grasps")
+        self._root = Root(scene, under + "/all_grasps")
         self._robot = ""
         self._frame: viser.FrameHandle | None = None
         self._hands: viser.BatchedMeshHandle | None = None
@@ -42,7 +42,7 @@ class AllGraspsLayer:
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
         self._robot = scene.robot
-        self._frame = self._scene.add_frame("/all_grasps/predicted", show_axes=False, visible=False)
+        self._frame = self._scene.add_frame(f"{self._root.name}/predicted", show_axes=False, visible=False)
         self._hands, self._shown = None, {}
 
     def draw(self, picture: Picture) -> None:
@@ -79,7 +79,7 @@ class AllGraspsLayer:
         glyph = gripper_glyph(ROBOTS[self._robot].gripper.opening_m)
         Ts, n = short.candidates.Ts_object_grasp, len(short.score)
         hands = self._scene.add_batched_meshes_simple(
-            "/all_grasps/predicted/hands",
+            f"{self._root.name}/predicted/hands",
             glyph.vertices,
             glyph.faces,
             batched_wxyzs=np.array([wxyz_from_rotation(T[:3, :3]) for T in Ts]),

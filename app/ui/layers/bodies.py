@@ -32,15 +32,15 @@ class ObjectLayer:
     title = "Object"
     swatches: tuple[tuple[Rgb, str], ...] = ()
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/object")
+        self._root = Root(scene, under + "/object")
         self._node: viser.MeshHandle | None = None
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
         shape = load_object(scene.object)
-        self._node = add_object(self._scene, "/object/body", shape, shape.color_rgb)
+        self._node = add_object(self._scene, f"{self._root.name}/body", shape, shape.color_rgb)
 
     def draw(self, picture: Picture) -> None:
         if self._node is not None:
@@ -56,9 +56,9 @@ class ObstaclesLayer:
     title = "Obstacles"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.SLAB, "Slab"),)
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/obstacles")
+        self._root = Root(scene, under + "/obstacles")
         self._touch = touch
         self._nodes: list[viser.MeshHandle] = []
         self._held: set[int] = set()
@@ -69,11 +69,13 @@ class ObstaclesLayer:
         self._nodes, self._held, self._yaws_rad = [], set(), [0.0] * len(scene.obstacles)
         for i, name in enumerate(scene.obstacles):
             shape = load_object(name)
-            node = add_object(self._scene, f"/obstacles/{i}", shape, shape.color_rgb)
+            node = add_object(self._scene, f"{self._root.name}/{i}", shape, shape.color_rgb)
             make_draggable(node, self._touch.may, partial(self._hold, i), partial(self._drop, i))
             self._nodes.append(node)
         if scene.slab is not None:
-            slab = self._scene.add_box("/obstacles/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.6)
+            slab = self._scene.add_box(
+                f"{self._root.name}/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.6
+            )
             place(slab, scene.slab.T_world_box)
 
     def draw(self, picture: Picture) -> None:

@@ -23,9 +23,9 @@ class ConveyorLayer:
     title = "Conveyor"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.BELT, "Belt"),)
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/conveyor")
+        self._root = Root(scene, under + "/conveyor")
         self._tray: viser.BoxHandle | None = None
         self._arrows: viser.LineSegmentsHandle | None = None
         self._strokes: tuple[Array, Array] | None = None
@@ -36,16 +36,18 @@ class ConveyorLayer:
         path, (length_m, width_m, height_m) = scene.belt_path_world, scene.tray_size_m
         band = ribbon(path, width_m, height_m - BELOW_TRAY_M)
         self._scene.add_mesh_simple(
-            "/conveyor/belt", band.vertices, band.faces, color=palette.BELT, side="double", opacity=0.9
+            f"{self._root.name}/belt", band.vertices, band.faces, color=palette.BELT, side="double", opacity=0.9
         )
         lift_m = BELOW_TRAY_M * 2 - height_m
         arrow = {"spacing_m": ARROW_SPACING_M, "size_m": width_m / 5, "lift_m": lift_m}
         self._strokes = chevrons(path, **arrow), chevrons(path[::-1], **arrow)
         self._forward = True
         self._arrows = self._scene.add_line_segments(
-            "/conveyor/arrows", self._strokes[0], palette.BELT_ARROW, thickness=2.0, thickness_units="screen"
+            f"{self._root.name}/arrows", self._strokes[0], palette.BELT_ARROW, thickness=2.0, thickness_units="screen"
         )
-        self._tray = self._scene.add_box("/conveyor/tray", color=palette.TRAY, dimensions=(length_m, width_m, height_m))
+        self._tray = self._scene.add_box(
+            f"{self._root.name}/tray", color=palette.TRAY, dimensions=(length_m, width_m, height_m)
+        )
         self._mark_base()
 
     def draw(self, picture: Picture) -> None:
@@ -64,4 +66,4 @@ class ConveyorLayer:
 
     def _mark_base(self) -> None:
         mark = ring(0.11, 0.125, 0.001)
-        self._scene.add_mesh_simple("/conveyor/base", mark.vertices, mark.faces, color=palette.BASE)
+        self._scene.add_mesh_simple(f"{self._root.name}/base", mark.vertices, mark.faces, color=palette.BASE)

@@ -29,9 +29,9 @@ class GraspsLayer:
         (palette.PICKED, "Picked grasp"),
     )
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/grasps")
+        self._root = Root(scene, under + "/grasps")
         self._glyph: Geometry = gripper_glyph(0.08)
         self._frame: viser.FrameHandle | None = None
         self._hands: viser.BatchedMeshHandle | None = None
@@ -40,10 +40,10 @@ class GraspsLayer:
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
         self._glyph = gripper_glyph(ROBOTS[scene.robot].gripper.opening_m)
-        self._frame = self._scene.add_frame("/grasps/predicted", show_axes=False, visible=False)
+        self._frame = self._scene.add_frame(f"{self._root.name}/predicted", show_axes=False, visible=False)
         self._hands = self._add_hands(10)
         self._picked = self._scene.add_mesh_simple(
-            "/grasps/predicted/picked",
+            f"{self._root.name}/predicted/picked",
             self._glyph.vertices * PICKED_SCALE,
             self._glyph.faces,
             color=palette.PICKED,
@@ -89,7 +89,7 @@ class GraspsLayer:
 
     def _add_hands(self, count: int) -> viser.BatchedMeshHandle:
         return self._scene.add_batched_meshes_simple(
-            "/grasps/predicted/shortlist",
+            f"{self._root.name}/predicted/shortlist",
             self._glyph.vertices,
             self._glyph.faces,
             batched_wxyzs=np.tile([1.0, 0.0, 0.0, 0.0], (count, 1)),

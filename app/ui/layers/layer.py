@@ -43,7 +43,7 @@ class Layer(Protocol):
     swatches: tuple[tuple[Rgb, str], ...]
     """Its rows of the legend."""
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None: ...
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None: ...
 
     def begin(self, scene: SceneDescription) -> None:
         """A new trial."""

@@ -49,18 +49,18 @@ class PredictionLayer:
     title = "Prediction"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.PREDICTION, "Predicted object"),)
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/prediction")
+        self._root = Root(scene, under + "/prediction")
         self._ghost: viser.MeshHandle | None = None
         self._way: Polyline | None = None
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
         shape = load_object(scene.object)
-        self._ghost = add_object(self._scene, "/prediction/ghost", shape, palette.PREDICTION, opacity=0.3)
+        self._ghost = add_object(self._scene, f"{self._root.name}/ghost", shape, palette.PREDICTION, opacity=0.3)
         self._ghost.visible = False
-        self._way = Polyline(self._scene, "/prediction/way", palette.PREDICTION, 4.0)
+        self._way = Polyline(self._scene, f"{self._root.name}/way", palette.PREDICTION, 4.0)
 
     def draw(self, picture: Picture) -> None:
         cycle = picture.cycle
@@ -85,16 +85,16 @@ class PlansLayer:
         (palette.SEED_PLAN, "Its seed"),
     )
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/plans")
+        self._root = Root(scene, under + "/plans")
         self._plan: Polyline | None = None
         self._seed: Polyline | None = None
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
-        self._seed = Polyline(self._scene, "/plans/seed", palette.SEED_PLAN, 7.0)
-        self._plan = Polyline(self._scene, "/plans/plan", palette.PLAN, 3.5)
+        self._seed = Polyline(self._scene, f"{self._root.name}/seed", palette.SEED_PLAN, 7.0)
+        self._plan = Polyline(self._scene, f"{self._root.name}/plan", palette.PLAN, 3.5)
 
     def draw(self, picture: Picture) -> None:
         if not picture.new_cycle or self._plan is None or self._seed is None:
@@ -117,16 +117,16 @@ class TrailLayer:
     title = "Hand trail"
     swatches: tuple[tuple[Rgb, str], ...] = ((palette.TRAIL, "Hand trail"),)
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/trail")
+        self._root = Root(scene, under + "/trail")
         self._line: Polyline | None = None
         self._points: deque[tuple[float, Array]] = deque()
         self._drawn_s = 0.0
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
-        self._line = Polyline(self._scene, "/trail/line", palette.TRAIL, 2.0)
+        self._line = Polyline(self._scene, f"{self._root.name}/line", palette.TRAIL, 2.0)
         self._points.clear()
         self._drawn_s = -TRAIL_REDRAW_S
 

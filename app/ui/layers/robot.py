@@ -17,9 +17,9 @@ class RobotLayer:
     title = "Robot"
     swatches: tuple[tuple[Rgb, str], ...] = ()
 
-    def __init__(self, scene: viser.SceneApi, touch: Touch) -> None:
+    def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
-        self._root = Root(scene, "/robot")
+        self._root = Root(scene, under + "/robot")
         self._robot = ""
         self._parts: RobotParts | None = None
         self._links: dict[str, viser.FrameHandle] = {}
@@ -31,10 +31,10 @@ class RobotLayer:
         self._robot = scene.robot
         self._parts = load_robot_parts(scene.robot)
         drawn = dict.fromkeys(part.link for part in self._parts.parts)
-        self._links = {link: self._scene.add_frame(f"/robot/{link}", show_axes=False) for link in drawn}
+        self._links = {link: self._scene.add_frame(f"{self._root.name}/{link}", show_axes=False) for link in drawn}
         for i, part in enumerate(self._parts.parts):
             self._scene.add_mesh_simple(
-                f"/robot/{part.link}/{i}", part.geometry.vertices, part.geometry.faces, color=part.color
+                f"{self._root.name}/{part.link}/{i}", part.geometry.vertices, part.geometry.faces, color=part.color
             )
 
     def draw(self, picture: Picture) -> None:

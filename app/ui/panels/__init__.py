@@ -24,8 +24,9 @@ CONTROL_TABS: tuple[tuple[str, Panels], ...] = (
 )
 """Below them, tab by tab: what can be set."""
 STATUS_TABS: tuple[tuple[str, Panels], ...] = (
-    ("Trial", (TrialPanel, SignalsPanel)),
+    ("Trial", (TrialPanel,)),
     ("Grasps", (RankingPanel,)),
+    ("Signals", (SignalsPanel,)),
 )
 """On the left, tab by tab: what is happening."""
 TIMELINE_PANELS: Panels = (TimelinePanel,)

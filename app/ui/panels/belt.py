@@ -36,7 +36,7 @@ class BeltPanel:
         self._direction.on_click(choosing(desk, "direction", self.set_direction))
 
     def show(self, view: View) -> None:
-        speed_mps, snapshot = view.state.info.speed_mps, view.state.snapshot
+        speed_mps, snapshot = view.state.info.speed_mps, view.state.newest
         self._speed.visible = speed_mps is not None
         self._factor.visible = speed_mps is None
         if snapshot is None:
@@ -67,7 +67,7 @@ class BeltPanel:
 
     def set_direction(self, label: str) -> Answer:
         """Run the belt forward or backward at its speed, or stop it."""
-        snapshot = self._desk.session.state.snapshot
+        snapshot = self._desk.session.state.newest
         pace = abs(snapshot.belt_rate) if snapshot and abs(snapshot.belt_rate) > 0.05 else 1.0
         rates = {"Forth": pace, "Stop": 0.0, "Back": -pace}
         if label not in rates:
@@ -78,4 +78,4 @@ class BeltPanel:
 
     def _is_running(self) -> bool:
         state = self._desk.session.state
-        return state.snapshot is not None and state.snapshot.outcome is None and not state.loading
+        return state.snapshot is not None and not state.over and not state.loading

@@ -10,18 +10,18 @@ import viser
 from app.ui.camera import PRESETS, CameraKeeper
 from app.ui.desk import Desk
 from app.ui.help import Guide
-from app.ui.layers.layer import Layer
 from app.ui.theme import DARK, LIGHT, Theme
 from app.ui.words import legend
+from app.ui.worlds import Worlds
 
 
-def add_legend(gui: viser.GuiApi, layers: list[Layer], desk: Desk) -> None:
+def add_legend(gui: viser.GuiApi, worlds: Worlds, desk: Desk) -> None:
     """The colours of all layers, and a check box for each layer."""
     with gui.add_folder("Legend"):
-        gui.add_html(legend([row for layer in layers for row in layer.swatches]))
+        gui.add_html(legend([row for layer in worlds.layers for row in layer.swatches]))
     with gui.add_folder("Show", expand_by_default=False):
-        for layer in layers:
-            _add_switch(gui, layer, desk)
+        for layer in worlds.layers:
+            _add_switch(gui, layer.title, worlds, desk)
 
 
 def add_view_switches(gui: viser.GuiApi, camera: CameraKeeper, theme: Theme, guide: Guide) -> None:
@@ -57,8 +57,8 @@ def _add_key(gui: viser.GuiApi, label: str, key: Any, act: Callable[[viser.Clien
     command.on_trigger(lambda event: act(event.client) if event.client else None)
 
 
-def _add_switch(gui: viser.GuiApi, layer: Layer, desk: Desk) -> None:
-    switch, shown = gui.add_checkbox(layer.title, True), True
+def _add_switch(gui: viser.GuiApi, title: str, worlds: Worlds, desk: Desk) -> None:
+    switch, shown = gui.add_checkbox(title, True), True
 
     async def on_update(event: viser.GuiEvent[viser.GuiCheckboxHandle]) -> None:
         nonlocal shown
@@ -68,6 +68,6 @@ def _add_switch(gui: viser.GuiApi, layer: Layer, desk: Desk) -> None:
             switch.value = shown
             return
         shown = bool(event.target.value)
-        layer.show(shown)
+        worlds.show(title, shown)
 
     switch.on_update(on_update)

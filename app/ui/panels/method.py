@@ -6,8 +6,10 @@ from collections.abc import Iterable
 
 import viser
 
+from app.ui.contenders import NOTHING
 from app.ui.desk import Answer, Desk
 from app.ui.fields import Field, FieldsOf
+from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
 from app.ui.panels.settings import SettingsGroup
 from app.ui.progress import AutoNext
@@ -29,7 +31,14 @@ class MethodPanel:
         self._preset = gui.add_dropdown(
             "Method", names, initial_value=state.info.method, hint="A whole method; what is set below changes it"
         )
+        self._compare = gui.add_dropdown(
+            "Compare with",
+            (NOTHING, *names),
+            initial_value=state.restart.compare or NOTHING,
+            hint="The same trial under another method, beside this one and in step with it",
+        )
         self._preset.on_update(self._on_preset)
+        self._compare.on_update(choosing(desk, "compare", self.set_compare))
         self._rooms = SettingsGroup(gui, desk, "Rooms")
         self._arm = SettingsGroup(gui, desk, "Arm and time")
         self._folders = {room: SettingsGroup(gui, desk, room.capitalize(), expanded=False) for room in ROOMS}
@@ -38,6 +47,7 @@ class MethodPanel:
     def show(self, view: View) -> None:
         values = view.state.info.values
         self._desk.mirror("method", self._preset, view.state.info.method)
+        self._desk.mirror("compare", self._compare, view.state.restart.compare or NOTHING)
         fields = self._of_method.of(values)
         self._rooms.show(flat(fields))
         self._arm.show((*self._of_profile.of(values), *self._of_timing.of(values)))
@@ -48,6 +58,14 @@ class MethodPanel:
         """Restart with another method as it is listed."""
         self._desk.restart(overrides={"method": name})
         return f"Restarted with method {name}."
+
+    def set_compare(self, name: str) -> Answer:
+        """Restart with another method beside the one that runs, or with that alone."""
+        if name == NOTHING:
+            self._desk.compare(None)
+            return "Restarted without comparison."
+        self._desk.compare(name)
+        return f"Restarted with {name} beside it."
 
     async def _on_preset(self, event: viser.GuiEvent[viser.GuiDropdownHandle[str]]) -> None:
         if event.client is not None:  # None: set by ``show``

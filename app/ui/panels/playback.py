@@ -77,12 +77,12 @@ class PlaybackPanel:
     def step(self) -> Answer:
         """One tick; of those there were, while somebody looks back."""
         looked_at = self._desk.session.state.looked_at
-        self._desk.send(LookBack(t_s=looked_at.snapshot.t_s + TICK_S) if looked_at else StepOnce())
+        self._desk.send(LookBack(t_s=looked_at.t_s + TICK_S) if looked_at else StepOnce())
         return None
 
     def step_back(self) -> Answer:
         """Show the tick before the one shown."""
-        snapshot = self._desk.session.state.shown.snapshot
+        snapshot = self._desk.session.state.shown.newest
         if snapshot is not None:
             self._desk.send(LookBack(t_s=max(0.0, snapshot.t_s - TICK_S)))
         return None

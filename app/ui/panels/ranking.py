@@ -11,7 +11,7 @@ from app.ui.desk import Answer, Desk
 from app.ui.funnel import card_rows, columns, funnel, ranges, rejections
 from app.ui.looks import SCORES
 from app.ui.palette import rank_color
-from app.ui.panels.choice import SETTLE_S, choosing
+from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
 from app.ui.progress import AutoNext
 from backend.errors import InvalidInputError, lookup
@@ -39,7 +39,7 @@ class RankingPanel:
             self._card = gui.add_html("")
         self._table = gui.add_html("")
         self._score.on_update(choosing(desk, "score", self.set_score))
-        self._number.on_update(choosing(desk, "number", self.set_grasp, SETTLE_S))
+        self._number.on_update(choosing(desk, "number", self.set_grasp))
 
     def show(self, view: View) -> None:
         snapshot, looks = view.state.snapshot, self._desk.looks
@@ -51,7 +51,7 @@ class RankingPanel:
         self._shown = cycle, looks
         short = cycle.shortlist if cycle else None
         self._funnel.content = words.tip(EMPTY) if cycle is None or short is None else funnel_html(cycle, short)
-        self._table.content = "" if cycle is None or short is None else ranking_html(cycle, short)
+        self._table.content = "" if cycle is None or short is None else ranking_html(cycle, short, looks.grasp)
         self._card.content = "" if cycle is None or short is None else card_html(cycle, short, looks.grasp)
 
     def set_score(self, name: str) -> Answer:
@@ -76,7 +76,7 @@ def funnel_html(cycle: CycleResult, short: Shortlist) -> str:
     return words.heading("From all grasps to one") + words.bars(rows, palette.PLAN, name_px=96, figure_px=28)
 
 
-def ranking_html(cycle: CycleResult, short: Shortlist) -> str:
+def ranking_html(cycle: CycleResult, short: Shortlist, chosen: int | None = None) -> str:
     """Kept grasps in order, then every other with its reason."""
     figures = columns(short)
     heads = ("no.", *(head for head, _ in figures), "")
@@ -87,12 +87,12 @@ def ranking_html(cycle: CycleResult, short: Shortlist) -> str:
         became = "picked" if picked else short.rejected.get(i, "")
         rows.append((color, (str(i), *(column[i] for _, column in figures), became)))
     others = [words.note(f"{len(indices)}x {why}: {ranges(indices)}") for why, indices in rejections(short)]
-    table = words.heading("Shortlist") + words.ranking(heads, rows)
+    table = words.heading("Shortlist") + words.ranking(heads, rows, str(chosen))
     return table + (words.heading("Rejected, and why") + "".join(others) if others else "")
 
 
 def card_html(cycle: CycleResult, short: Shortlist, index: int | None) -> str:
     """All that is known of one grasp; a hint while none is chosen."""
     if index is None or index >= len(short.score):
-        return words.tip("Click a hand in the scene to see its card.")
+        return words.tip("Click a hand in the scene, or a row of the shortlist, to see its card.")
     return words.heading(f"Grasp {index}") + words.facts(card_rows(short, index, cycle.picked))

@@ -47,7 +47,10 @@ class SharePanel:
             self._outcome.content = tip("When the trial has ended, its trace and its outcome can be downloaded here.")
         else:
             trace, record = f"{FILES}/trace.npz", f"{FILES}/outcome.json"
-            self._outcome.content = link_button("Download trace", trace) + link_button("Download outcome", record)
+            links = [("Download trace", trace), ("Download outcome", record)]
+            if state.keepsake_beside is not None:
+                links.append((f"Download trace of {state.restart.compare}", f"{trace}?compared=true"))
+            self._outcome.content = "".join(link_button(text, address) for text, address in links)
 
     def open_file(self, name: str, content: bytes) -> Answer:
         """Restart with a scenario file that somebody brought; raises ``GraspingError`` naming every mistake."""
@@ -59,7 +62,7 @@ class SharePanel:
             raise InvalidInputError(f"{name}: not UTF-8 text (byte {error.start}).") from None
         stem = PurePath(name).stem[:80] or "file"
         seed = self._desk.session.engine.seed_in(stem, text)
-        self._desk.begin(scenario=stem, file=text, seed=seed)
+        self._desk.begin(scenario=stem, file=text, seed=seed, compare=self._desk.session.state.restart.compare)
         return f"Restarted with the scenario in {name}."
 
     async def _on_upload(self, event: viser.GuiEvent[viser.GuiUploadButtonHandle]) -> None:
@@ -72,5 +75,6 @@ def what(state: SessionState) -> str:
     settings, edits = len(state.restart.overrides), len(state.events)
     parts = [f"Opens {state.info.scenario}, seed {state.restart.seed}"]
     parts += [f"{settings} setting{'s' * (settings > 1)} changed"] if settings else []
+    parts += [f"beside {state.restart.compare}"] if state.restart.compare else []
     parts += [f"{edits} live edit{'s' * (edits > 1)}"] if edits else []
     return ", ".join(parts) + "."

@@ -1,58 +1,45 @@
-"""Signals: how far the hand is from the object, over the trial."""
+"""Signals: plots of the last minute, which go along when somebody looks back."""
 
 from __future__ import annotations
 
-from collections import deque
+import time
 
-import numpy as np
 import viser
-from viser import uplot
 
 from app.ui.desk import Desk
-from app.ui.palette import PLAN, TRAIL, css
 from app.ui.panels.panel import View
+from app.ui.plot import plot_html
 from app.ui.progress import AutoNext
-from app.ui.words import heading
+from app.ui.signals import plots
+from app.ui.strip import span_s
+from app.ui.words import tip
+from backend.robots import ROBOTS
 
-SAMPLE_S = 0.2
-LONGEST = 600
-"""Samples that are kept: two minutes."""
-CM_PER_M = 100.0
-PLAIN = uplot.Series_Points(show=False)
+REDRAW_S = 1.0
+"""While time passes; a moment looked at is shown at once."""
+ABOUT = "Over the last minute; a click looks back at that moment. Figures are of the moment shown."
 
 
 class SignalsPanel:
-    """One chart; a new trial empties it."""
+    """Display only; drawn anew once a second at most, and not at all while nothing changes."""
 
     def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
-        self._samples: deque[tuple[float, float, float, int]] = deque(maxlen=LONGEST)
-        self._run: object = None
-        gui.add_html(heading("Hand to object / object height, cm"))
-        self._chart = gui.add_uplot(
-            data=(np.zeros(1), np.zeros(1), np.zeros(1)),
-            series=(
-                uplot.Series(label="s"),
-                uplot.Series(label="distance", stroke=css(PLAN), width=1.5, points=PLAIN),
-                uplot.Series(label="height", stroke=css(TRAIL), width=1.5, points=PLAIN),
-            ),
-            scales={"x": uplot.Scale(time=False), "y": uplot.Scale(auto=True)},
-            axes=(uplot.Axis(size=22, font="10px sans-serif"), uplot.Axis(size=30, font="10px sans-serif")),
-            legend=uplot.Legend(show=False),
-            cursor=uplot.Cursor(show=False),
-            height=130,
-        )
+        gui.add_html(tip(ABOUT))
+        self._plots = gui.add_html("")
+        self._shown: tuple[object, ...] = ()
+        self._due_s = 0.0
 
     def show(self, view: View) -> None:
-        snapshot, started = view.live.snapshot, view.live.started
-        if started is not self._run:
-            self._run = started
-            from_tick = started.restart.from_tick if started else 0
-            while self._samples and self._samples[-1][3] >= from_tick:  # all, unless gone on from an earlier moment
-                self._samples.pop()
-        if snapshot is None or (self._samples and snapshot.t_s - self._samples[-1][0] < SAMPLE_S):
+        looked_at, newest = view.live.looked_at, view.moments[-1] if view.moments else None
+        paused = view.live.pace.paused
+        if newest is None or (looked_at, newest) == self._shown:
             return
-        hand, target = snapshot.T_world_tcp.xyz_m, snapshot.T_world_object.xyz_m
-        distance_m = float(np.linalg.norm(hand - target))
-        self._samples.append((snapshot.t_s, CM_PER_M * distance_m, CM_PER_M * float(target[2]), snapshot.tick))
-        t_s, distance, height, _ = np.array(self._samples).T
-        self._chart.data = (t_s, distance, height)
+        if not paused and time.monotonic() < self._due_s:
+            return
+        self._shown, self._due_s = (looked_at, newest), time.monotonic() + REDRAW_S
+        values = view.live.info.values
+        limits_rps = ROBOTS[values.robot].profiles[values.profile].velocity_rps
+        span, shown_s = span_s(view.moments), (looked_at or newest).t_s
+        other = view.live.restart.compare or ""
+        drawn = plots(view.moments, limits_rps, other)
+        self._plots.content = "".join(plot_html(plot, span, shown_s, looked_at is not None) for plot in drawn)

@@ -7,6 +7,7 @@ import time
 import viser
 
 from app.commands import GoOn, LookBack
+from app.ui.contenders import contenders
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
@@ -43,14 +44,15 @@ class TimelinePanel:
     def show(self, view: View) -> None:
         looked_at, newest = view.live.looked_at, view.moments[-1] if view.moments else None
         self._buttons.visible = looked_at is not None
-        key = (looked_at, newest if view.live.pace.paused else view.live.started)
+        compared = contenders(view.state)
+        key = (looked_at, newest if view.live.pace.paused else view.live.started, compared)
         if key == self._shown and (view.live.pace.paused or time.monotonic() < self._due_s):
             return
         self._shown, self._due_s = key, time.monotonic() + REDRAW_S
-        shown_s = looked_at.snapshot.t_s if looked_at else None
-        self._strip.content = strip_svg(view.moments, shown_s)
+        shown_s = looked_at.t_s if looked_at else None
+        self._strip.content = strip_svg(view.moments, shown_s, compared)
         self._slider.min, self._slider.max = (round(t_s, 1) for t_s in span_s(view.moments))
-        now_s = newest.snapshot.t_s if newest else 0.0
+        now_s = newest.t_s if newest else 0.0
         self._desk.mirror("look", self._slider, round(now_s if shown_s is None else shown_s, 1))
 
     def look_back(self, t_s: float) -> Answer:
@@ -66,7 +68,7 @@ class TimelinePanel:
         """From the moment looked at."""
         state = self._desk.session.state
         self._desk.send(GoOn())
-        t_s = state.looked_at.snapshot.t_s if state.looked_at else 0.0
+        t_s = state.looked_at.t_s if state.looked_at else 0.0
         return f"Going on from {t_s:.1f} s."
 
     def newest(self) -> Answer:
