@@ -91,6 +91,7 @@ def test_both_are_looked_back_at_and_a_link_opens_both(served: Served, browser: 
     served.command(kind="restart", scenario="mico_varying", seed=9)
     wait_for(served, lambda s: s["seed"] == 9 and s["compared"] is None and not s["loading"])
     with open_page(browser, served.address.rstrip("/") + str(link.get_attribute("href"))) as other:
+        button(other, "Take control and open it").click()
         wait_for_node(other, "/beside/object/body")
         wait_for(served, lambda s: s["seed"] == 2 and s["compared"] is not None)
     served.command(kind="set_speed", speed=1.0)
