@@ -170,7 +170,7 @@ class Intercept(Config):
     kind: Literal["intercept"] = "intercept"
     first_s: NonNegativeFloat = 2.0
     """Before there is a motion."""
-    longest_s: PositiveFloat = 4.0
+    longest_s: PositiveFloat = 8.0
     """Predictions reach no further."""
 
 

@@ -38,7 +38,7 @@ class TimingConfig(Config):
 
     think: Literal["budget", "paper", "measured"] = "budget"
     """A fixed time, the constants of the paper's evaluation, or the wall time of each cycle."""
-    budget_s: Annotated[float, Field(gt=0.0, le=10.0)] = 0.1
+    budget_s: Annotated[float, Field(gt=0.0, le=10.0)] = 0.05
     timeout_s: Annotated[float, Field(gt=0.0, le=3600.0)] = 120.0
 
 
