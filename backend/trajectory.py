@@ -10,6 +10,9 @@ import numpy as np
 
 from backend.pose import Array
 
+SAME_MOMENT_S = 1e-9
+"""Times that differ by less are one moment: clocks that add up steps and clocks that multiply them round differently."""
+
 
 @dataclass(frozen=True, eq=False)
 class Path:
@@ -47,7 +50,7 @@ class Trajectory:
         """(q, qd) at ``t_s`` by cubic Hermite interpolation; outside the grid the nearest end, standing still."""
         times = self._times
         if t_s <= times[0]:
-            return self.q[0], (self.qd[0] if t_s == times[0] else np.zeros_like(self.qd[0]))
+            return self.q[0], (self.qd[0] if t_s > times[0] - SAME_MOMENT_S else np.zeros_like(self.qd[0]))
         if t_s >= times[-1]:
             return self.q[-1], np.zeros_like(self.qd[-1])
         i = bisect_right(times, t_s) - 1

@@ -14,8 +14,11 @@ from backend.knowledge import motion_aware
 from backend.knowledge.motion_aware import load_motion_aware
 from backend.methods import METHODS
 from backend.objects import load_object
+from backend.pipeline.execute import Executor
+from backend.pose import Array
 from backend.record import load_trace
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
+from backend.sim.bullet import STEP_S
 from backend.snapshot import Snapshot
 from tests.motion_models import plant_models
 
@@ -80,7 +83,7 @@ def test_methods_that_rank_by_motion_say_what_they_ranked_by(
     if name != "no_prediction":
         assert motion.speed_mps == pytest.approx(0.05, rel=0.1)
     model = load_motion_aware("ur5_robotiq", "tomato_soup_can")
-    told = model.quality(short.candidates.Ts_object_grasp, motion.speed_mps, motion.direction_rad)
+    told = model.over(short.candidates.Ts_object_grasp).about(motion.speed_mps, motion.direction_rad)
     np.testing.assert_array_equal(short.motion_quality, told)
 
 
@@ -123,7 +126,28 @@ def test_the_arm_keeps_its_speed_limits():
     with Episode(setup, 2) as episode:
         qs = np.array([snapshot.q for snapshot in episode.run()])
     limit = 0.315
-    assert np.abs(np.diff(qs, axis=0) * 30.0).max() <= 1.02 * limit
+    assert np.abs(np.diff(qs, axis=0) * 30.0).max() <= 1.01 * limit
+
+
+def test_the_arm_never_hesitates_where_a_new_plan_takes_over(monkeypatch: pytest.MonkeyPatch):
+    """What the arm is asked for at every physics step: positions and velocities agree, and neither jumps."""
+    asked: list[tuple[Array, Array]] = []
+    targets = Executor.targets
+
+    def noted(self: Executor, t_s: float) -> tuple[Array, Array]:
+        if self.phase == "move":
+            asked.append(targets(self, t_s))
+        return targets(self, t_s)
+
+    monkeypatch.setattr(Executor, "targets", noted)
+    with Episode(scenario("ur5_linear_obstacles"), 2) as episode:
+        episode.finish()
+        profile = episode.world.model.description.profiles["paper"]
+    q, qd = (np.array(part) for part in zip(*asked, strict=True))
+    assert len(q) > 500
+    jumps = np.abs(np.diff(qd, axis=0)) - 1.02 * np.array(profile.acceleration_rps2) * STEP_S
+    assert jumps.max() <= 1e-3
+    np.testing.assert_allclose(np.diff(q, axis=0) / STEP_S, (qd[1:] + qd[:-1]) / 2, atol=5e-3)
 
 
 def test_a_live_edit_is_recorded_and_repeated(tmp_path: Path):

@@ -24,6 +24,9 @@ Floats = NDArray[np.float32]
 Layer = tuple[Floats, Floats]
 FORMAT = 1
 STILL_DIRECTIONS = 16
+SPEED_STEP_MPS = 5e-4
+DIRECTION_STEP_RAD = np.radians(1.0)
+"""Motions that differ by less count as one in ``PreparedGrasps.about``."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,6 +91,17 @@ class PreparedGrasps:
     model: MotionAwareModel
     base: Floats
     """(n, hidden) of the first layer, without the motion's part."""
+    _known: dict[tuple[int, int], Array] = field(default_factory=dict[tuple[int, int], Array])
+
+    def about(self, speed_mps: float, direction_rad: float) -> Array:
+        """As ``quality``, of the motion rounded to half a millimetre per second and a degree; asked again, remembered.
+
+        The loop asks at every cycle, and what it asks about hardly changes.
+        """
+        key = round(speed_mps / SPEED_STEP_MPS), round(direction_rad / DIRECTION_STEP_RAD) % 360
+        if key not in self._known:
+            self._known[key] = self.quality(key[0] * SPEED_STEP_MPS, key[1] * DIRECTION_STEP_RAD)
+        return self._known[key]
 
     def quality(self, speed_mps: float, direction_rad: float) -> Array:
         """(n,) probability that each grasp holds while the object moves in the plane, direction in its own frame.

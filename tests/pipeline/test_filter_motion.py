@@ -96,12 +96,23 @@ def check_whole(short: Shortlist) -> None:
 def test_the_likeliest_to_hold_are_kept_best_first():
     short = ranked(MotionAware())
     check_whole(short)
-    expected = prepared().quality(0.03, 0.7)
+    expected = prepared().quality(0.03, np.radians(40.0))  # 0.7 rad is 40.1 degrees
     assert short.motion_quality is not None
-    np.testing.assert_array_equal(short.motion_quality, expected)
+    np.testing.assert_allclose(short.motion_quality, expected, rtol=1e-12)
     assert list(short.kept) == np.argsort(-expected, kind="stable")[:10].tolist()
     assert set(short.rejected.values()) == {OTHERS_HOLD_BETTER}
     assert ranked(MotionAware(), direction_rad=0.7 + np.pi).kept != short.kept
+
+
+@given(st.floats(0.0, 0.2), st.floats(-10.0, 10.0))
+def test_a_motion_is_asked_about_once_and_answered_for_one_that_hardly_differs(speed_mps: float, direction_rad: float):
+    grasps = prepared()
+    answer = grasps.about(speed_mps, direction_rad)
+    assert grasps.about(speed_mps, direction_rad + 2.0 * np.pi) is answer
+    directions = direction_rad + np.radians([-0.5, 0.0, 0.5])
+    speeds = np.maximum(speed_mps + np.array([-2.5e-4, 0.0, 2.5e-4]), 0.0)
+    around = [grasps.quality(float(v), float(d)) for v in speeds for d in directions]
+    assert (answer >= np.min(around, axis=0) - 0.02).all() and (answer <= np.max(around, axis=0) + 0.02).all()
 
 
 def test_the_held_grasp_comes_first_and_a_refused_one_is_put_off():

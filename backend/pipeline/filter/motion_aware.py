@@ -13,7 +13,7 @@ def shortlist_by_motion(config: MotionAware, candidates: Candidates, context: Ra
     The grasp the arm is moving to comes first.
     """
     assert context.in_motion is not None and context.motion is not None, "the cycle loads the model where it is used"
-    quality = context.in_motion.quality(context.motion.speed_mps, context.motion.direction_rad)
+    quality = context.in_motion.about(context.motion.speed_mps, context.motion.direction_rad)
     rejected = dict.fromkeys(sorted(context.put_off), PUT_OFF)
     left = set(range(len(candidates.quality))) - set(rejected)
     ranked = sorted(left, key=lambda i: (i != context.held, -quality[i], i))
