@@ -11,7 +11,7 @@ import numpy as np
 from backend.pose import Array
 
 SAME_MOMENT_S = 1e-9
-"""Times that differ by less are one moment: clocks that add up steps and clocks that multiply them round differently."""
+"""Times that differ by less are one moment: a clock that adds up steps and one that multiplies them round otherwise."""
 
 
 @dataclass(frozen=True, eq=False)
