@@ -101,6 +101,12 @@ def test_importing_the_command_line_is_light():
     assert answer.stdout.strip() == "[]"
 
 
+def test_the_server_leaves_the_engine_to_the_simulation_process():
+    code = "import sys, app.serve; print([m for m in ('pybullet', 'ompl', 'toppra', 'torch') if m in sys.modules])"
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
+    assert answer.stdout.strip() == "[]"
+
+
 def test_there_are_no_circles_of_imports():
     modules = {
         ".".join(p.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): p for p in sources("backend")

@@ -8,9 +8,9 @@ from app.commands import Restart
 from app.permalink import address_of
 from app.state import SessionState
 from backend.errors import GraspingError, InvalidInputError
+from backend.experiments.grid.beginning import setup_of_job
 from backend.experiments.grid.cells import Job, Plan, scenario_name_of
 from backend.experiments.grid.row import GridRow
-from backend.experiments.grid.work import setup_of_job
 
 LARGEST_SEED = 2**31 - 1
 Replay = Literal["elsewhere", "running", "same", "different"]

@@ -10,17 +10,14 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from backend.drawing import drawn_setup
 from backend.episode import Episode
-from backend.errors import InvalidInputError
+from backend.experiments.grid.beginning import setup_of_job
 from backend.experiments.grid.cells import Job
 from backend.experiments.grid.code import code_version
-from backend.experiments.grid.conditions import conditions_of, setup_of
 from backend.experiments.grid.row import GridRow
 from backend.machine import machine
 from backend.motions import CircularMotion, LinearMotion, Motion
 from backend.snapshot import Snapshot
-from backend.tasks.setup import TrialSetup
 
 
 def run_job(job: Job, settings: str) -> GridRow:
@@ -56,19 +53,6 @@ def run_job(job: Job, settings: str) -> GridRow:
         machine=machine(),
         finished=now(),
     )
-
-
-def setup_of_job(job: Job) -> TrialSetup | None:
-    """How a trial of a trial set begins; None where that is what the seed draws, to the last bit of it."""
-    asked = job.conditions
-    if asked is None:
-        return None
-    try:
-        drawn = drawn_setup(job.scenario, job.seed)
-    except InvalidInputError:
-        return setup_of(asked)
-    key = job.key
-    return None if conditions_of(key.robot, key.task, key.object, job.seed, drawn) == asked else setup_of(asked)
 
 
 def now() -> str:
