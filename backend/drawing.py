@@ -4,8 +4,9 @@ import zlib
 
 import numpy as np
 
-from backend.kinematics import load_kinematics
+from backend import kinematics
 from backend.objects import load_object
+from backend.pose import Array
 from backend.scenario import Scenario
 from backend.tasks.setup import TrialSetup
 
@@ -24,6 +25,10 @@ def drawn_setup(scenario: Scenario, seed: int) -> TrialSetup:
 
 def drawn_by(scenario: Scenario, rng: np.random.Generator) -> TrialSetup:
     """How a trial begins, by a generator of its own."""
-    kinematics = load_kinematics(scenario.robot)
-    home = np.array(kinematics.description.home_rad)
-    return scenario.task.draw(rng, load_object(scenario.object), kinematics.spheres_world(home))
+    return scenario.task.draw(rng, load_object(scenario.object), arm_at_home(scenario.robot))
+
+
+def arm_at_home(robot: str) -> Array:
+    """(n, 4) the collision spheres of the arm as every trial finds it: centres in the world and radii, m."""
+    arm = kinematics.load_kinematics(robot)
+    return arm.spheres_world(np.array(arm.description.home_rad))

@@ -102,7 +102,8 @@ def test_importing_the_command_line_is_light():
 
 
 def test_the_server_leaves_the_engine_to_the_simulation_process():
-    code = "import sys, app.serve; print([m for m in ('pybullet', 'numba', 'ompl', 'toppra', 'torch') if m in sys.modules])"
+    heavy = ("pybullet", "numba", "ompl", "toppra", "torch")
+    code = f"import sys, app.serve; print([m for m in {heavy!r} if m in sys.modules])"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT)
     assert answer.stdout.strip() == "[]"
 

@@ -8,6 +8,7 @@ from app.commands import Restart
 from app.permalink import address_of
 from app.state import SessionState
 from backend.errors import GraspingError, InvalidInputError
+from backend.experiments.grid.beginning import setup_of_job
 from backend.experiments.grid.cells import Job, Plan, scenario_name_of
 from backend.experiments.grid.row import GridRow
 
@@ -23,7 +24,7 @@ def restart_of(plan: Plan, row: GridRow) -> Restart:
     job = plan.job(row.key)
     if job.seed > LARGEST_SEED:
         raise InvalidInputError(f"The page has seeds up to {LARGEST_SEED}. {_headless(job)}")
-    if job.conditions is not None and _begins_as_a_table_says(job):
+    if setup_of_job(job) is not None:
         raise InvalidInputError(f"This trial begins as a table says, not as its seed does. {_headless(job)}")
     settings = plan.settings
     fields = dict(_parted(override) for override in settings.set)
@@ -52,12 +53,6 @@ def replay_of(restart: Restart, row: GridRow, state: SessionState) -> Replay:
     record = state.keepsake.record
     same = all(record.get(name) == getattr(row, name) for name in ("fingerprint", "strict", "authors", "reason"))
     return "same" if same else "different"
-
-
-def _begins_as_a_table_says(job: Job) -> bool:
-    from backend.experiments.grid.beginning import setup_of_job  # drawing a trial takes compiled kernels: 60 MB
-
-    return setup_of_job(job) is not None
 
 
 def _parted(override: str) -> tuple[str, str]:

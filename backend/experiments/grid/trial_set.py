@@ -10,10 +10,9 @@ import math
 from collections.abc import Iterable
 from pathlib import Path
 
-import numpy as np
 from pydantic import ValidationError
 
-from backend.drawing import drawn_setup
+from backend.drawing import arm_at_home, drawn_setup
 from backend.errors import InvalidInputError
 from backend.experiments.grid.conditions import (
     CIRCLE,
@@ -30,7 +29,6 @@ from backend.experiments.grid.conditions import (
     setup_of,
 )
 from backend.experiments.grid.ranges import complaint_of
-from backend.kinematics import load_kinematics
 from backend.objects import load_object, object_names
 from backend.robots import ROBOTS
 from backend.scenario import Scenario
@@ -170,9 +168,7 @@ def _cannot_begin(row: Conditions) -> list[str]:
         setup = setup_of(row)
     except ValidationError as error:
         return [f"columns {', '.join((*OBJECT, *other))}: {error.errors()[0]['msg']}"]
-    kinematics = load_kinematics(row.robot)
-    arm = kinematics.spheres_world(np.array(kinematics.description.home_rad))
-    if can_begin(setup, load_object(row.object), arm):
+    if can_begin(setup, load_object(row.object), arm_at_home(row.robot)):
         return []
     return [f"columns {', '.join(OBJECT[:3])}: object, tray or slab would start in the arm or run into its base"]
 
