@@ -8,7 +8,8 @@ import signal
 import subprocess
 import sys
 import tempfile
-from collections.abc import Generator
+import time
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -73,6 +74,19 @@ def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> 
             raise
         finally:
             runs.cleanup()
+
+
+def wait_for(
+    served: Served, ready: Callable[[dict[str, object]], bool] | None = None, patience_s: float = 15.0, **fields: object
+) -> dict[str, object]:
+    """The state, once ``ready`` says yes to it and it has these ``fields``."""
+    deadline = time.monotonic() + patience_s
+    while True:
+        state = served.state()
+        if (ready is None or ready(state)) and all(state[name] == value for name, value in fields.items()):
+            return state
+        assert time.monotonic() < deadline, f"{fields or 'it'} not reached: {state}"
+        time.sleep(0.03)
 
 
 def main() -> None:

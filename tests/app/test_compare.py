@@ -40,7 +40,7 @@ from backend.events import MoveObstacle, SetBeltRate, TimedEvent
 from backend.methods import METHODS
 from backend.pose import Pose
 from tests.app.fake_episode import LINEAR, FakeEngine
-from tests.app.test_session import tick, wait
+from tests.app.sessions import tick, wait
 
 PAIR = LINEAR.model_copy(update={"compare": "baseline"})
 ENGINE = FakeEngine()

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 import httpx
 import pytest
 
-from tests.app.served import Served, serve
-from tests.app.test_proxy import wait_for
+from tests.app.served import Served, serve, wait_for
 from tests.app.viewer_client import ViewerClient, view
 
 pytestmark = [pytest.mark.timeout(60), pytest.mark.xdist_group("served")]

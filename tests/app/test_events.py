@@ -16,9 +16,8 @@ from app.api.examples import COMMANDS
 from app.commands import Command, Restart, SetPaused, read_command
 from app.session import Session
 from app.wanted import scenario_of
-from tests.app.served import Served, serve
-from tests.app.test_proxy import wait_for
-from tests.app.test_session import tick, wait
+from tests.app.served import Served, serve, wait_for
+from tests.app.sessions import tick, wait
 
 pytestmark = [pytest.mark.timeout(90), pytest.mark.xdist_group("served")]
 

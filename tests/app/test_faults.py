@@ -25,9 +25,8 @@ from app.engine import Keepsake, Running
 from app.proxy import DeafError, outbound
 from app.session import Session
 from tests.app.fake_episode import LINEAR, FakeEngine, FakeEpisode
-from tests.app.served import ROOT, Served, serve
-from tests.app.test_proxy import wait_for
-from tests.app.test_session import wait
+from tests.app.served import ROOT, Served, serve, wait_for
+from tests.app.sessions import wait
 from tests.app.viewer_client import PROTOCOL, ViewerClient, view
 
 pytestmark = [pytest.mark.timeout(120), pytest.mark.xdist_group("served")]

@@ -26,8 +26,7 @@ from app.proxy import BURST, MOST_HZ, Pace
 from app.settings import Settings, read_settings
 from app.ui.start import KEY_HEADER, start_viser
 from backend.errors import InvalidInputError
-from tests.app.served import Served, serve
-from tests.app.test_proxy import wait_for
+from tests.app.served import Served, serve, wait_for
 from tests.app.viewer_client import PROTOCOL, view
 
 pytestmark = [pytest.mark.timeout(240), pytest.mark.xdist_group("served")]

@@ -16,7 +16,7 @@ from app.ui.strip import cycle_times, span_s, stretches, strip_svg
 from backend.errors import InvalidInputError
 from backend.events import SetBeltRate
 from tests.app.fake_episode import LINEAR, FakeEngine
-from tests.app.test_session import tick, wait
+from tests.app.sessions import tick, wait
 
 
 def shown_tick(state: SessionState) -> int:

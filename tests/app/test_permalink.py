@@ -20,8 +20,7 @@ from app.wanted import read_scenario, scenario_of
 from backend.errors import GraspingError, InvalidInputError, NotFoundError
 from backend.events import MoveObstacle, SetBeltRate, TimedEvent
 from backend.scenario import load_scenario, to_toml
-from tests.app.served import Served, serve
-from tests.app.test_proxy import wait_for
+from tests.app.served import Served, serve, wait_for
 
 EVENTS = st.builds(
     TimedEvent,

@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 
 from app.inbound import is_allowed
 from app.ui.start import start_viser
-from tests.app.served import Served, serve
+from tests.app.served import Served, serve, wait_for
 from tests.app.viewer_client import ViewerClient, view
 
 pytestmark = [pytest.mark.timeout(60), pytest.mark.xdist_group("served")]
@@ -38,16 +38,6 @@ def viewer(served: Served) -> Iterator[ViewerClient]:
     wait_for(served, tick=0, loading=False, scenario="ur5_linear", seed=0)
     with view(served.authority) as client:
         yield client
-
-
-def wait_for(served: Served, **fields: object) -> dict[str, object]:
-    deadline = time.monotonic() + 15.0
-    while True:
-        state = served.state()
-        if all(state[key] == value for key, value in fields.items()):
-            return state
-        assert time.monotonic() < deadline, f"{fields} not reached: {state}"
-        time.sleep(0.03)
 
 
 def test_the_address_leads_to_the_viewer_under_our_title(served: Served) -> None:

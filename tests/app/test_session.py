@@ -3,28 +3,16 @@
 import os
 import signal
 import time
-from collections.abc import Callable
 
 import pytest
 
 from app.commands import ApplyEvent, Restart, SetPaused, SetSpeed, StepOnce
 from app.session import Session
-from app.state import SessionState, SimulationDownError
+from app.state import SimulationDownError
 from backend.errors import InvalidInputError, NotFoundError
 from backend.events import MoveObstacle, SetBeltRate
 from tests.app.fake_episode import LINEAR, FakeEngine
-
-
-def wait(session: Session, ready: Callable[[SessionState], bool], patience_s: float = 20.0) -> SessionState:
-    deadline = time.monotonic() + patience_s
-    while not ready(session.state):
-        assert time.monotonic() < deadline, f"not reached; last state: {session.state}"
-        time.sleep(0.01)
-    return session.state
-
-
-def tick(state: SessionState) -> int:
-    return -1 if state.snapshot is None else state.snapshot.tick
+from tests.app.sessions import tick, wait
 
 
 def test_a_paused_session_shows_the_start_and_steps_one_tick_at_a_time(session: Session) -> None:

@@ -1,19 +1,18 @@
-"""The law of the first frame, alone in its browser."""
+"""The law of the first frame."""
 
 import time
 
-import pytest
+from playwright.sync_api import Browser
 
-from tests.app.browser import open_browser, open_page, wait_for_node
+from tests.app.browser import open_page, wait_for_node
 from tests.app.served import serve
 
-pytestmark = [pytest.mark.timeout(90), pytest.mark.xdist_group("browser")]
 FIRST_FRAME_S = 8.0
 SETTLE_S = 20.0
 
 
-def test_the_first_frame_is_there_in_time() -> None:
-    with serve("--paused") as served, open_browser() as browser, open_page(browser, "about:blank") as page:
+def test_the_first_frame_is_there_in_time(browser: Browser) -> None:
+    with serve("--paused") as served, open_page(browser, "about:blank") as page:
         deadline = time.monotonic() + SETTLE_S
         while served.state()["tick"] is None:
             assert time.monotonic() < deadline

@@ -11,12 +11,10 @@ from playwright.sync_api import Browser, Page, expect
 from backend.experiments.grid.cells import make_plan
 from backend.experiments.grid.settings import GridSettings
 from backend.experiments.grid.work import run_job
-from tests.app.browser import button, open_browser, open_page, tab, wait_for_node
-from tests.app.served import Served, serve
-from tests.app.test_browser import wait_for
+from tests.app.browser import button, open_page, tab, wait_for_node
+from tests.app.served import Served, serve, wait_for
 from tests.experiments.grid.making import all_jobs, plan, row_of, store_in
 
-pytestmark = [pytest.mark.timeout(240), pytest.mark.xdist_group("browser")]
 OF = plan(trials=4)
 KEPT = ("UR5 with Robotiq 2F-85", "IK-filtered grasps", "Linear", "cube")
 
@@ -37,13 +35,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def served(folder: Path) -> Iterator[Served]:
     with serve("--paused", "--no-auto-next", "--no-tour", "--runs", str(folder)) as server:
         yield server
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    expect.set_options(timeout=15_000)
-    with open_browser() as browser:
-        yield browser
 
 
 @pytest.fixture

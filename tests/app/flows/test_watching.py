@@ -5,45 +5,20 @@ from __future__ import annotations
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Page, expect
 
 from tests.app.browser import (
     button,
     choose,
     click_scene,
     node_position,
-    open_browser,
-    open_page,
     slider_box,
     tab,
     wait_for_node,
 )
-from tests.app.served import Served, serve
-
-pytestmark = [pytest.mark.timeout(120), pytest.mark.xdist_group("browser")]
-
-
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    with serve("--paused", "--no-auto-next", "--no-tour") as server:
-        yield server
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    expect.set_options(timeout=15_000)
-    with open_browser() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def page(served: Served, browser: Browser) -> Iterator[Page]:
-    with open_page(browser, served.address) as page:
-        wait_for_node(page, "/object/body", 30.0)
-        yield page
+from tests.app.served import Served, wait_for
 
 
 @pytest.fixture(autouse=True)
@@ -51,14 +26,6 @@ def fresh_trial(served: Served, page: Page) -> None:
     assert served.command(kind="set_paused", paused=True).status_code == 202
     assert served.command(kind="restart", scenario="ur5_linear", seed=0).status_code == 202
     wait_for(served, lambda s: s["tick"] == 0 and s["loading"] is False and s["paused"] is True)
-
-
-def wait_for(served: Served, ready: Callable[[dict[str, object]], bool], patience_s: float = 15.0) -> dict[str, object]:
-    deadline = time.monotonic() + patience_s
-    while not ready(state := served.state()):
-        assert time.monotonic() < deadline, f"not reached: {state}"
-        time.sleep(0.03)
-    return state
 
 
 def y_of_object(page: Page) -> float:

@@ -2,37 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.app.browser import button, choose, node_position, open_browser, open_page, slider_box, tab, wait_for_node
-from tests.app.served import Served, serve
-from tests.app.test_browser import wait_for
+from tests.app.browser import button, choose, node_position, open_page, slider_box, tab, wait_for_node
+from tests.app.served import Served, wait_for
 
-pytestmark = [pytest.mark.timeout(120), pytest.mark.xdist_group("browser")]
 GONE = "name => !(name in window.__viserMutable.nodeRefFromName) || !window.__viserMutable.nodeRefFromName[name]"
-
-
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    with serve("--paused", "--no-auto-next", "--no-tour") as server:
-        yield server
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    expect.set_options(timeout=15_000)
-    with open_browser() as browser:
-        yield browser
-
-
-@pytest.fixture(scope="module")
-def page(served: Served, browser: Browser) -> Iterator[Page]:
-    with open_page(browser, served.address) as page:
-        wait_for_node(page, "/object/body", 30.0)
-        yield page
 
 
 @pytest.fixture(autouse=True)

@@ -3,24 +3,13 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator
 
-import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.app.browser import button, choose, node_position, open_browser, open_page, wait_for_node
-from tests.app.served import serve
-from tests.app.test_browser import wait_for
+from tests.app.browser import button, choose, node_position, open_page, wait_for_node
+from tests.app.served import serve, wait_for
 
-pytestmark = [pytest.mark.timeout(180), pytest.mark.xdist_group("browser")]
 LOST = "The server does not answer"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    expect.set_options(timeout=20_000)
-    with open_browser() as browser:
-        yield browser
 
 
 def value_of(page: Page, label: str) -> str:

@@ -16,29 +16,18 @@ from tests.app.browser import (
     is_dark,
     node_position,
     on_screen,
-    open_browser,
     open_page,
     slider_box,
     tab,
     wait_for_node,
 )
-from tests.app.served import Served, serve
-from tests.app.test_browser import wait_for
-
-pytestmark = [pytest.mark.timeout(120), pytest.mark.xdist_group("browser")]
+from tests.app.served import Served, serve, wait_for
 
 
 @pytest.fixture(scope="module")
 def served() -> Iterator[Served]:
     with serve("--paused", "--no-auto-next") as server:
         yield server
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Browser]:
-    expect.set_options(timeout=15_000)
-    with open_browser() as browser:
-        yield browser
 
 
 @pytest.fixture(scope="module")
