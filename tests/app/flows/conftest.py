@@ -19,8 +19,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.timeout(PATIENCE_S))
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
+    """While it is open, its event loop counts as running in this thread: it has to go before other tests come."""
     expect.set_options(timeout=20_000)
     with open_browser() as browser:
         yield browser
