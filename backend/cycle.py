@@ -33,6 +33,8 @@ from backend.trajectory import Path, Trajectory
 
 CANDIDATES_TRIED = 3
 """How often a cycle plans, each time for other grasps, before it gives up."""
+WARY_S = 3.0
+"""So far ahead a motion is checked against the object as it moves on."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +122,7 @@ class Cycle:
         result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))
         with watch("pick"):
             picked, result = self._rehearsed(start, result, picked, predictor)
-        return self._move(start, result, picked, watch)
+        return self._move(start, result, picked, predictor, watch)
 
     def approach_request(self, arm: ArmState, T_object_grasp: Pose, predictor: Predictor) -> ApproachRequest:
         """The way in from ``arm`` to a grasp of the object, wherever that is predicted to be by then."""
@@ -148,9 +150,15 @@ class Cycle:
         return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
 
     def _move(
-        self, start: CycleStart, result: CycleResult, picked: tuple[Candidate, ...], watch: _Stopwatch
+        self,
+        start: CycleStart,
+        result: CycleResult,
+        picked: tuple[Candidate, ...],
+        predictor: Predictor,
+        watch: _Stopwatch,
     ) -> CycleResult:
-        """Plan and retime for the nearest grasp that lets itself be reached."""
+        """Plan and retime for the nearest grasp that lets itself be reached without pushing the object on the way."""
+        assert result.prediction is not None
         arm = start.arm_at(result.effective_s)
         seed_path = remaining(start.previous, arm)
         left = list(picked)
@@ -174,6 +182,13 @@ class Cycle:
                 trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
             if isinstance(trajectory, Refusal):
                 result = replace(result, refused_by="retime", why=trajectory.why)
+                left.remove(candidate)
+                continue
+            with watch("retime"):
+                touches = self.rehearsal.brushes(trajectory, arm.t_s + WARY_S, lambda t_s: seen_by(predictor, t_s))
+                self.scene.move_target(result.prediction.pose(1))
+            if touches:
+                result = replace(result, refused_by="retime", why=f"on the way, {touches}")
                 left.remove(candidate)
                 continue
             return replace(result, trajectory=trajectory)

@@ -130,9 +130,18 @@ class Pilot:
             self.approach_refusal = approach.why
             self._put_off_until_s[self._held.index] = t_s + PUT_OFF_S
             return False
+        if self._has_way_to_go(request.arm.t_s):
+            brushed = self._cycle.rehearsal.brushes(approach.trajectory, approach.slide_s, self._object_at)
+            if brushed:
+                self.approach_refusal = f"too early: {brushed}"
+                return False
         self.approach_start_s = request.arm.t_s
         self._begin(approach)
         return True
+
+    def _has_way_to_go(self, t_s: float) -> bool:
+        """Whether the motion in force still leads nearer to the pregrasp then."""
+        return self._previous is not None and self._previous[1].end_s > t_s
 
     def _correct(self, t_s: float) -> None:
         """Bend the way in to the newest prediction, if that is wanted, worth it and possible."""

@@ -150,6 +150,21 @@ def test_the_arm_never_hesitates_where_a_new_plan_takes_over(monkeypatch: pytest
     np.testing.assert_allclose(np.diff(q, axis=0) / STEP_S, (qd[1:] + qd[:-1]) / 2, atol=5e-3)
 
 
+@pytest.mark.parametrize(
+    ("name", "object", "seed"),
+    [("ur5_linear", "tomato_soup_can", 0), ("mico_linear_obstacles", "mustard_bottle", 4), ("ur5_linear", "cube", 1)],
+)
+def test_the_arm_leaves_the_object_standing_until_it_goes_in(name: str, object: str, seed: int):
+    """The first two ran into the object on their way to where they would have met it later."""
+    with Episode(scenario(name, "method=ours_rm", f"object={object}"), seed) as episode:
+        snapshots = list(episode.run())
+    on_tray = [s.T_world_tray.inverse() @ s.T_world_object for s in snapshots if s.phase in ("watch", "move")]
+    assert len(on_tray) > 60
+    places = np.array([T.xyz_m for T in on_tray])
+    assert np.abs(places - places[0]).max() < 2e-3
+    assert snapshots[-1].outcome is not None and snapshots[-1].outcome.strict
+
+
 def test_a_live_edit_is_recorded_and_repeated(tmp_path: Path):
     setup = scenario("ur5_linear", "timing.timeout_s=6.0")
     with Episode(setup, 3) as episode:

@@ -3,16 +3,22 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from backend.kinematics import Kinematics
 from backend.pipeline.execute import Approach, ApproachRequest, ArmState, plan_approach, plan_lift
+from backend.pipeline.execute.approach import ObjectAt
 from backend.pipeline.values import Candidate, JointGoal, Refusal
-from backend.pose import Array
+from backend.pose import Array, Pose
 from backend.sim.planning_scene import PlanningScene
+from backend.trajectory import Trajectory
 
 LIKELY_CLOSE_S = 0.5
 """About when after the arrival the fingers have closed and the lift begins."""
 CHECK_EVERY = 4
 """Knots of the approach between two collision checks, 1/15 s."""
+LOOK_EVERY_S = 0.1
+"""Time between two looks at whether arm and moving object meet."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +56,19 @@ class Rehearsal:
                     return (replace(candidate, goals=candidate.goals[k:]), *picked[i + 1 :]), refused
                 refused.setdefault(candidate.index, f"in rehearsal: {approach.why}")
         return picked, refused
+
+    def brushes(self, trajectory: Trajectory, until_s: float, object_at: ObjectAt) -> str:
+        """What would touch the moving object or its tray before then; empty if nothing, or if it does so already.
+
+        Leaves the scene's target somewhere on its way.
+        """
+        t_s = np.arange(trajectory.start_s, min(until_s, trajectory.end_s), LOOK_EVERY_S)
+        for k, (T_world_object, now_s) in enumerate(zip(object_at(t_s), t_s.tolist(), strict=True)):
+            self.scene.move_target(Pose(T_world_object))
+            why = self.scene.why_blocked(trajectory.sample(now_s)[0])
+            if why:
+                return f"in {now_s - trajectory.start_s:.1f} s {why}" if k else ""
+        return ""
 
     def unsafe(self, approach: Approach) -> Refusal | None:
         """Why the way in, or the lift that follows it, cannot be done; None when both can."""

@@ -1,5 +1,6 @@
 """Rehearsals: a way in that passes arrives where it should, and what is in its way is named."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from backend.pipeline.rehearse import Rehearsal
 from backend.pipeline.values import Candidate, JointGoal, Refusal
 from backend.pose import Array, Pose
 from backend.sim.planning_scene import PlanningScene
+from backend.trajectory import Trajectory
 from tests.pipeline.contexts import context_of
 
 BACKOFF_M = 0.075
@@ -90,3 +92,44 @@ def test_what_has_passed_a_moment_ago_is_trusted(picked: tuple[Candidate, ...]):
     left, refused = slow.from_the_first_that_works(picked, picked[1].index, request)
     assert left == picked[1:]
     assert set(refused) == {picked[0].index}
+
+
+def sweep(begin_s: float, candidate: Candidate) -> Trajectory:
+    """From 0.8 rad of the first joint before the grasp to as much after it, in 4 s: halfway it stands in the object."""
+    q = candidate.goals[0].q_grasp
+    aside = np.array([0.8, 0.0, 0.0, 0.0, 0.0, 0.0])
+    return Trajectory(begin_s + np.array([0.0, 4.0]), np.stack([q - aside, q + aside]), np.tile(aside / 2.0, (2, 1)))
+
+
+def standing_on_the_belt() -> PlanningScene:
+    scene = PlanningScene(KINEMATICS)
+    scene.set_target(load_object("cube"), START, (0.1, 0.1, 0.02), START)
+    return scene
+
+
+def test_a_motion_through_the_object_as_it_moves_is_told_and_when(picked: tuple[Candidate, ...]):
+    scene = standing_on_the_belt()
+    words = rehearsal(scene).brushes(sweep(0.0, picked[0]), 10.0, object_at)
+    told = re.fullmatch(r"in ([\d.]+) s \S+ too near to the (cube|tray)", words)
+    assert told
+    blocked = [not free_at(scene, sweep(0.0, picked[0]), t_s) for t_s in np.arange(0.0, 4.0, 0.1)]
+    assert float(told[1]) == pytest.approx(0.1 * blocked.index(True))
+    assert rehearsal(scene).brushes(sweep(0.0, picked[0]), float(told[1]) - 0.05, object_at) == ""
+
+
+def test_a_motion_through_where_the_object_has_been_is_not(picked: tuple[Candidate, ...]):
+    away_s = 0.5 / float(SPEED_MPS[1])
+    assert rehearsal(standing_on_the_belt()).brushes(sweep(away_s, picked[0]), away_s + 10.0, object_at) == ""
+
+
+def test_an_arm_that_touches_already_may_move_away(picked: tuple[Candidate, ...]):
+    q = picked[0].goals[0].q_grasp
+    away = Trajectory(np.array([0.0, 2.0]), np.stack([q, picked[0].goals[0].q_pregrasp]), np.zeros((2, 6)))
+    scene = standing_on_the_belt()
+    assert not free_at(scene, away, 0.0)
+    assert rehearsal(scene).brushes(away, 10.0, object_at) == ""
+
+
+def free_at(scene: PlanningScene, trajectory: Trajectory, t_s: float) -> bool:
+    scene.move_target(Pose(object_at(np.array([t_s]))[0]))
+    return scene.is_free(trajectory.sample(t_s)[0])
