@@ -131,7 +131,7 @@ def test_a_script_needs_control_while_a_visitor_drives_and_gives_it_back(served:
         wait_for(served, tick=1)
         line(visitor, "A script drives")
         visitor.set(visitor.widget("GuiNumberMessage", "Seed"), 2)
-        assert "A script drives" in visitor.notice()[1]
+        visitor.notice_saying("A script drives")
         assert httpx.delete(api + "driver").json()["you_drive"] is False
         line(visitor, "you drive")
 
@@ -197,7 +197,7 @@ def test_a_watcher_pushes_nothing_about_and_hides_nothing(served: Served) -> Non
         watcher.set(obstacles, False)
         watcher.wait_for("GuiUpdateMessage", uuid=obstacles, updates={"value": True})
         drag(watcher, "/obstacles/0")
-        assert "you watch" in watcher.notice()[1]
+        watcher.notice_saying("you watch")
         driver.receive()
         about = [message for message in driver.messages if message.get("name", "").startswith("/obstacles")]
         assert not any(message.get("visible") is False for message in about)

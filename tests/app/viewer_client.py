@@ -53,7 +53,7 @@ class ViewerClient:
         inner = zstandard.ZstdDecompressor().decompress(raw[16 : 16 + packed])
         self.messages += cast("list[Message]", msgspec.msgpack.decode(inner)["messages"])
 
-    def wait_for(self, kind: str, patience_s: float = 10.0, **fields: object) -> Message:
+    def wait_for(self, kind: str, patience_s: float = 20.0, **fields: object) -> Message:
         """The first message of that type with those fields, among those that have come and those to come."""
         deadline, seen = time.monotonic() + patience_s, 0
         while True:
@@ -64,7 +64,7 @@ class ViewerClient:
             assert time.monotonic() < deadline, f"no {kind} {fields}"
             self.receive()
 
-    def widget(self, kind: str, label: str, patience_s: float = 10.0) -> str:
+    def widget(self, kind: str, label: str, patience_s: float = 20.0) -> str:
         """Uuid of the widget of that type and label."""
         deadline = time.monotonic() + patience_s
         while True:
@@ -78,11 +78,16 @@ class ViewerClient:
         """Set a widget's value as a browser would, whatever its bounds."""
         self.send("GuiUpdateMessage", uuid=uuid, updates={"value": value})
 
-    def notice(self, patience_s: float = 10.0) -> tuple[str, str]:
+    def notice(self, patience_s: float = 20.0) -> tuple[str, str]:
         """Title and body of the next notification, which is then forgotten."""
         message = self.wait_for("NotificationShowMessage", patience_s)
         self.messages.remove(message)
         return message["props"]["title"], message["props"]["body"]
+
+    def notice_saying(self, words: str) -> None:
+        """Wait for a notification with these words; those before it are forgotten too."""
+        while words not in self.notice()[1]:
+            pass
 
 
 @contextmanager
