@@ -23,7 +23,7 @@ from backend.pipeline.values import (
     Refusal,
 )
 from backend.pose import Array
-from backend.trajectory import Path, Trajectory
+from backend.trajectory import SAME_MOMENT_S, Path, Trajectory
 
 TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
@@ -66,7 +66,7 @@ class Pilot:
     def consider(self, t_s: float) -> CycleResult | None:
         """Act on what is new, if anything is and no thinking is under way; the cycle if there was one."""
         self.executor.take_over(t_s)
-        if not self._fresh or t_s < self._busy_until_s - 1e-9:
+        if not self._fresh or t_s < self._busy_until_s - SAME_MOMENT_S:
             return None
         if self.executor.phase == "approach":
             self._fresh = False
