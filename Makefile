@@ -47,7 +47,7 @@ knowledge: setup
 screenshots: setup
 	.ci/chromium
 	$(BIN)/python -m tests.app.screenshots
-	$(BIN)/python -m backend trial mico_sinusoidal --seed 1 --set method=ours_rm --trace build/trial.npz
+	$(BIN)/python -m backend trial mico_sinusoidal --seed 1 --trace build/trial.npz
 	$(BIN)/python -m backend render build/trial.npz --out docs/trial.gif --width 480 --speed 2
 
 clean:

@@ -138,12 +138,12 @@ def test_tables_survive_toml(table: dict[str, object]):
 
 
 def test_a_plain_method_is_written_as_its_name(linear: Scenario):
-    assert 'method = "ik"' in to_toml(linear)
+    assert 'method = "ours_rm"' in to_toml(linear)
 
 
 def test_only_what_differs_from_the_named_method_is_written(linear: Scenario):
     text = to_toml(with_overrides(linear, ["method.execution.lift_m=0.2"]))
-    assert '[method]\nname = "ik"\n\n[method.execution]\nlift_m = 0.2\n' in text
+    assert '[method]\nname = "ours_rm"\n\n[method.execution]\nlift_m = 0.2\n' in text
 
 
 def test_a_method_table_changes_only_what_it_names(tmp_path: Path):

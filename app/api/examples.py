@@ -6,7 +6,7 @@ OWN_FILE = """\
 title = "Mine"
 robot = "mico"
 object = "cube"
-method = "ik"
+method = "ours_rm"
 [task]
 kind = "linear"
 speed_mps = 0.03

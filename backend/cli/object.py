@@ -18,6 +18,8 @@ from backend.robots import ROBOTS
 
 LARGE_ERROR = 0.1
 """Of the volume; parts that are this much off are worth another try."""
+BUILDS = ("grasps", "motion-aware")
+"""What ``build`` makes of an object."""
 
 
 def run(options: argparse.Namespace) -> int:
@@ -149,5 +151,5 @@ def _percent(share: float) -> str:
 def _next(name: str, hands: tuple[str, ...]) -> list[str]:
     """The commands that lead to a trial."""
     robots = [""] if len(hands) == len(ROBOTS) else [f" --robot {robot}" for robot in hands]
-    build = [f"python -m backend build grasps{robot} --object {name}" for robot in robots]
+    build = [f"python -m backend build {what}{robot} --object {name}" for what in BUILDS for robot in robots]
     return [*build, f"python -m backend trial {hands[-1].split('_')[0]}_linear --set object={name}"]

@@ -45,6 +45,7 @@ def test_a_mesh_becomes_an_object_that_is_grasped(data: Path, block: str, capsys
     assert "block: 4.0 x 5.0 x 10.0 cm, 0.2 kg (1 g/cm^3)" in text
     assert "1 convex parts; their union is 0." in text and "fits the hands of: mico, ur5_robotiq" in text
     assert "python -m backend build grasps --object block" in text
+    assert "python -m backend build motion-aware --object block" in text
     assert "python -m backend trial ur5_linear --set object=block" in text
 
     trial = ["trial", "ur5_linear", "--seed", "1", "--set", "object=block"]
@@ -53,7 +54,9 @@ def test_a_mesh_becomes_an_object_that_is_grasped(data: Path, block: str, capsys
 
     save_grasps(build_grasps("ur5_robotiq", "block", 3, 4, lambda _: None, FEW))
     assert grasp_file("ur5_robotiq", "block").is_relative_to(data)
-    assert main([*trial, "--json"]) == 0
+    assert main(trial) == 2
+    assert "python -m backend build motion-aware --robot ur5_robotiq --object block" in capsys.readouterr().err
+    assert main([*trial, "--set", "method=reachability", "--json"]) == 0
     row = json.loads(capsys.readouterr().out)
     assert row["object"] == "block" and row["strict"] is True
 
