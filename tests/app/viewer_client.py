@@ -100,5 +100,6 @@ def view(authority: str, **headers: str) -> Generator[ViewerClient]:
         compression=None,
         max_size=None,
         proxy=None,
+        close_timeout=1.0,
     ) as socket:
         yield ViewerClient(socket)

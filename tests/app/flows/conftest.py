@@ -11,8 +11,9 @@ from tests.app.served import Served, serve
 PATIENCE_S = 180
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Flows share a browser, so one worker runs them all."""
+    """Flows share a browser, so one worker runs them all; pytest-xdist, whose turn is next, must see the mark."""
     for item in items:
         if item.path.parent.name == "flows":
             item.add_marker(pytest.mark.xdist_group("browser"))
