@@ -62,9 +62,9 @@ def _serve_web(session: Session, runs: Runs, dashboard: Dashboard, settings: Set
     )
     host, port = settings.host, listener.getsockname()[1]
     query = "?" + urlencode({"token": settings.token}) if settings.token else ""
-    print(f"Dashboard: http://{f'[{host}]' if ':' in host else host}:{port}/{query}", flush=True)
-    print("Ctrl-C ends it.", flush=True)
     with contextlib.closing(listener), _interrupts_noted() as noted:
+        print(f"Dashboard: http://{f'[{host}]' if ':' in host else host}:{port}/{query}", flush=True)
+        print("Ctrl-C ends it.", flush=True)
         _Server(config, session, noted).run(sockets=[listener])
     if noted:
         raise KeyboardInterrupt

@@ -52,7 +52,7 @@ class FakeEngine:
         return ("cube", "sugar_box", "tomato_soup_can")
 
     def method_names(self) -> tuple[str, ...]:
-        return ("ik", "baseline")
+        return ("ours_rm", "baseline")
 
     def describe(self, restart: Restart) -> TrialInfo:
         if restart.file is not None:

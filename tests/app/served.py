@@ -53,10 +53,13 @@ class Served:
 
 @contextmanager
 def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> Generator[Served]:
-    """Start a server on a free port, with no runs of grids, wait for its address, end it with Ctrl-C."""
+    """Start a server on a free port, with no runs of grids, wait for its address, end it with Ctrl-C.
+
+    One that does not end is made to print where each of its threads stands.
+    """
     command = [sys.executable, *module, "--port", "0", *flags]
     runs = tempfile.TemporaryDirectory()
-    own = {**os.environ, "GRASPING_RUNS": runs.name}
+    own = {**os.environ, "GRASPING_RUNS": runs.name, "PYTHONFAULTHANDLER": "1"}
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=ROOT, env=own)
     try:
         assert process.stdout is not None
@@ -70,7 +73,7 @@ def serve(*flags: str, module: tuple[str, ...] = ("-m", "tests.app.served")) -> 
         try:
             process.communicate(timeout=15.0)
         except subprocess.TimeoutExpired:
-            process.kill()
+            process.send_signal(signal.SIGABRT)
             raise
         finally:
             runs.cleanup()

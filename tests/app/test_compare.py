@@ -93,14 +93,14 @@ def test_the_one_that_ends_first_holds_its_last_state_until_both_are_over(pair: 
     state = play_to_the_end(pair)
     assert ticks(state) == (600, 300)
     assert [contender.words for contender in contenders(state)] == [
-        "ik: lifted after 17.5 s",
+        "ours_rm: lifted after 17.5 s",
         "baseline: belt end",
     ]
 
 
 def test_the_shorter_of_two_may_be_the_first_one(session: Session) -> None:
     wait(session, lambda s: tick(s) == 0)
-    session.send(LINEAR.model_copy(update={"overrides": {"method": "baseline"}, "compare": "ik"}))
+    session.send(LINEAR.model_copy(update={"overrides": {"method": "baseline"}, "compare": "ours_rm"}))
     wait(session, lambda s: s.beside is not None and not s.loading)
     state = play_to_the_end(session)
     assert ticks(state) == (300, 600) and state.newest is not None and state.newest.tick == 600
@@ -233,7 +233,7 @@ def test_two_worlds_stand_side_by_side_each_under_its_caption(server: viser.Vise
     for under, snapshot in (("", state.snapshot), ("/beside", state.beside.snapshot)):
         np.testing.assert_allclose(node(under + "/object/body").position, snapshot.T_world_object.xyz_m)
     assert [node(f"/{where}/caption").text for where in ("here", "beside")] == [
-        "ik: closing hand",
+        "ours_rm: closing hand",
         "baseline: belt end",
     ]
     worlds.show("Object", False)
@@ -275,7 +275,7 @@ def test_the_page_says_how_either_ended(server: viser.ViserServer) -> None:
     assert "3 / 1 of 4" in facts
     strip = strip_svg(MOMENTS, 10.0, contenders(view.state))
     assert strip.count("<svg") == 2 and len(re.findall('d="M500.0 0v', strip)) == 2
-    assert strip.index("ik: closing hand") < strip.index("baseline: belt end")
+    assert strip.index("ours_rm: closing hand") < strip.index("baseline: belt end")
 
 
 def test_trials_are_counted_when_both_are_over_and_the_next_waits_for_that() -> None:
@@ -289,8 +289,8 @@ def test_trials_are_counted_when_both_are_over_and_the_next_waits_for_that() -> 
 
 def test_the_choice_restarts_with_a_second_world_or_without(pair: Session, server: viser.ViserServer) -> None:
     panel = MethodPanel(server.gui, Desk(server, pair), AutoNext(False))
-    assert panel.set_compare("ik") == "Restarted with ik beside it."
-    assert pair.state.restart.compare == "ik"
+    assert panel.set_compare("ours_rm") == "Restarted with ours_rm beside it."
+    assert pair.state.restart.compare == "ours_rm"
     assert panel.set_compare(NOTHING) == "Restarted without comparison."
     assert pair.state.restart == LINEAR
     edited = LINEAR.model_copy(update={"events": (TimedEvent(tick=3, event=SetBeltRate(rate=2.0)),), "from_tick": 2})

@@ -173,7 +173,7 @@ def test_what_a_trial_leaves_can_be_had_once_it_has_ended(served: Served) -> Non
     served.command(kind="set_speed", speed=None)
     served.command(kind="set_paused", paused=False)
     wait_for(served, tick=600)
-    assert get(served, "/api/v1/session/trace.npz").content == b"a trace of ik"
+    assert get(served, "/api/v1/session/trace.npz").content == b"a trace of ours_rm"
     assert json.loads(get(served, "/api/v1/session/outcome.json").text)["seed"] == 0
     served.command(kind="set_speed", speed=1.0)
     served.command(kind="set_paused", paused=True)
@@ -187,7 +187,7 @@ def test_what_the_one_compared_with_leaves_can_be_had_as_well(served: Served) ->
     wait_for(served, tick=600)
     answer = get(served, "/api/v1/session/trace.npz?compared=true")
     assert answer.content == b"a trace of baseline" and "seed0_compared.npz" in answer.headers["content-disposition"]
-    assert get(served, "/api/v1/session/trace.npz").content == b"a trace of ik"
+    assert get(served, "/api/v1/session/trace.npz").content == b"a trace of ours_rm"
     both = get(served, "/api/v1/session/replay.html")
     served.command(kind="set_speed", speed=1.0)
     served.command(kind="set_paused", paused=True)

@@ -57,7 +57,11 @@ def test_it_ends_cleanly_and_takes_the_simulation_along(end: signal.Signals) -> 
     with serve("--paused", module=("run_server.py",)) as server:
         simulation = server.simulation_pid()
         server.process.send_signal(end)
-        output, _ = server.process.communicate(timeout=60.0)
+        try:
+            output, _ = server.process.communicate(timeout=40.0)
+        except subprocess.TimeoutExpired:
+            server.process.send_signal(signal.SIGABRT)  # it prints where each of its threads stands
+            raise
         assert server.process.returncode == 0
         assert re.search(r"^Stopped\.$", output, re.MULTILINE)
     with pytest.raises(ProcessLookupError):

@@ -35,7 +35,7 @@ def test_two_methods_are_compared_and_their_outcomes_appear(served: Served, page
     state = wait_for(served, lambda s: s["outcome"] is not None)
     assert isinstance(state["compared"], dict)
     assert (state["tick"], state["compared"]["tick"]) == (600, 300)
-    expect(page.get_by_text("ik: lifted after 17.5 s").first).to_be_visible()
+    expect(page.get_by_text("ours_rm: lifted after 17.5 s").first).to_be_visible()
     expect(page.get_by_text("baseline: belt end").first).to_be_visible()
     expect(page.get_by_text("1 / 0 of 1")).to_be_visible()
     served.command(kind="set_speed", speed=1.0)
