@@ -22,6 +22,18 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
 )
 NAMES = ("chromium", "chromium-browser", "google-chrome")
+FEW_FRAMES = """(() => {
+    const frames = new Map();
+    let last = 0;
+    window.requestAnimationFrame = draw => {
+        const wait = () => { frames.delete(id); draw(performance.now()); };
+        const id = ++last;
+        frames.set(id, setTimeout(wait, 80));
+        return id;
+    };
+    window.cancelAnimationFrame = id => { clearTimeout(frames.get(id)); frames.delete(id); };
+})()"""
+"""Twelve frames a second: drawn without a graphics card, all of them would take the cores from what is tested."""
 POSITION = "name => window.__viserMutable?.nodeRefFromName?.[name]?.position?.toArray() ?? null"
 """Where a scene node stands in its parent; null while it is not there."""
 
@@ -40,10 +52,14 @@ def open_browser() -> Generator[Browser]:
 
 
 @contextmanager
-def open_page(browser: Browser, address: str, width: int = 1280, height: int = 720) -> Generator[Page]:
-    """A page on ``address``, closed at the end."""
+def open_page(
+    browser: Browser, address: str, width: int = 1280, height: int = 720, *, every_frame: bool = False
+) -> Generator[Page]:
+    """A page on ``address``, closed at the end; it draws few frames unless every one is wanted."""
     page = browser.new_page(viewport={"width": width, "height": height})
     page.set_default_timeout(15_000)
+    if not every_frame:
+        page.add_init_script(FEW_FRAMES)
     try:
         page.goto(address)
         yield page

@@ -67,7 +67,10 @@ def _take_comparison(browser: Browser) -> None:
 @contextmanager
 def _page_of(browser: Browser, scenario: str) -> Generator[tuple[Served, Page]]:
     flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
-    with serve(*flags, module=("run_server.py",)) as served, open_page(browser, served.address) as page:
+    with (
+        serve(*flags, module=("run_server.py",)) as served,
+        open_page(browser, served.address, every_frame=True) as page,
+    ):
         wait_for_node(page, "/object/body", 120.0)
         close_notifications(page)
         yield served, page
@@ -92,7 +95,7 @@ def _take_grid(browser: Browser, folder: str) -> None:
             if run["trials"] and run["done"] >= SHARE * run["trials"]:
                 break
             time.sleep(1.0)
-        with open_page(browser, served.address + "experiments") as page:
+        with open_page(browser, served.address + "experiments", every_frame=True) as page:
             page.locator(".cells").first.wait_for()
             _save(page, "experiments")
 

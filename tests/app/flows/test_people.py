@@ -32,8 +32,13 @@ def test_one_drives_one_watches_and_control_changes_hands(browser: Browser) -> N
             expect(second.get_by_role("checkbox", name="Auto next")).not_to_be_checked()
             assert served.state()["object"] == "sugar_box" and served.state()["tick"] == 0
 
+            start = node_position(first, "/object/body")
             button(first, "Step").click()
             wait_for(served, lambda s: s["tick"] == 1)
+            first.wait_for_function(
+                "start => window.__viserMutable.nodeRefFromName['/object/body'].position.y !== start",
+                arg=start and start[1],
+            )
             place = node_position(first, "/object/body")
             second.wait_for_function(
                 "place => window.__viserMutable.nodeRefFromName['/object/body'].position.y === place",
