@@ -13,7 +13,7 @@ WANTED := -c constraints.txt -e '.[dev]'
 INSTALL := $(BIN)/python -m pip install --quiet $(WANTED)
 # uv does the same in a fraction of the time; where it isn't to be had, or doesn't find what pip is set up to find, pip does it.
 INSTALL_FAST := $(BIN)/python -m pip install --quiet -c constraints.txt uv && \
-  UV_FIND_LINKS="$$PIP_FIND_LINKS" $(BIN)/uv pip install --quiet --python $(BIN)/python $(WANTED)
+  UV_FIND_LINKS="$$PIP_FIND_LINKS" $(BIN)/uv pip install --quiet --compile-bytecode --python $(BIN)/python $(WANTED)
 
 .DEFAULT_GOAL := run
 .PHONY: setup run test check knowledge screenshots clean

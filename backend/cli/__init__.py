@@ -81,11 +81,11 @@ def _parser() -> argparse.ArgumentParser:
     _report(commands.add_parser("report", help="of a grid; or measure what the robot knows beforehand"))
     _object(commands.add_parser("object", help="bring your own objects: add, remove, list"))
 
-    bench = commands.add_parser("bench", help="time of each room, stepping rate, and their ratio; or of all motion")
-    bench.add_argument("what", nargs="?", choices=["rooms", "motion"], default="rooms")
+    bench = commands.add_parser("bench", help="time of each room and stepping rate; or all of motion; or lifts")
+    bench.add_argument("what", nargs="?", choices=["rooms", "motion", "lifts"], default="rooms")
     bench.add_argument("--scenario", default="ur5_linear")
     bench.add_argument("--trials", type=int, default=5, metavar="N")
-    bench.add_argument("--quick", action="store_true", help="motion: very few cases, to see that it works")
+    bench.add_argument("--quick", action="store_true", help="motion, lifts: very few cases, to see that it works")
     bench.add_argument("--figures", metavar="FOLDER", help="motion: also draw, into this folder")
     _json(bench)
 

@@ -1,6 +1,6 @@
 """``bench``: wall time of each room, bare stepping rate of the same world, and the ratio of a trial to it.
 
-``bench motion`` has a file of its own.
+``bench motion`` and ``bench lifts`` have a file of their own.
 """
 
 import argparse
@@ -19,10 +19,10 @@ from backend.scenario import Scenario, load_scenario, with_overrides
 
 def run(options: argparse.Namespace) -> int:
     """Print times and ratios, all from one run on this machine; always 0."""
-    if options.what == "motion":
-        from backend.cli import bench_motion
+    if options.what != "rooms":
+        from backend.cli import bench_figures
 
-        return bench_motion.run(options)
+        return bench_figures.run(options)
     if options.trials < 1:
         raise InvalidInputError(f"--trials must be at least 1 (got {options.trials})")
     scenario = load_scenario(options.scenario)
