@@ -22,18 +22,10 @@ FLAGS = (
     "--enable-unsafe-swiftshader",
 )
 NAMES = ("chromium", "chromium-browser", "google-chrome")
-FEW_FRAMES = """(() => {
-    const frames = new Map();
-    let last = 0;
-    window.requestAnimationFrame = draw => {
-        const wait = () => { frames.delete(id); draw(performance.now()); };
-        const id = ++last;
-        frames.set(id, setTimeout(wait, 80));
-        return id;
-    };
-    window.cancelAnimationFrame = id => { clearTimeout(frames.get(id)); frames.delete(id); };
-})()"""
-"""Twelve frames a second: drawn without a graphics card, all of them would take the cores from what is tested."""
+NO_DRAWING = """for (const context of [WebGLRenderingContext, WebGL2RenderingContext])
+    for (const draw of ["drawElements", "drawArrays", "drawElementsInstanced", "drawArraysInstanced", "clear"])
+        context.prototype[draw] = () => {};"""
+"""Without a graphics card, drawing the scene takes a whole core from what is tested; all else goes on as ever."""
 POSITION = "name => window.__viserMutable?.nodeRefFromName?.[name]?.position?.toArray() ?? null"
 """Where a scene node stands in its parent; null while it is not there."""
 
@@ -53,13 +45,13 @@ def open_browser() -> Generator[Browser]:
 
 @contextmanager
 def open_page(
-    browser: Browser, address: str, width: int = 1280, height: int = 720, *, every_frame: bool = False
+    browser: Browser, address: str, width: int = 1280, height: int = 720, *, drawn: bool = False
 ) -> Generator[Page]:
-    """A page on ``address``, closed at the end; it draws few frames unless every one is wanted."""
+    """A page on ``address``, closed at the end; the 3-D scene is drawn only where its picture is wanted."""
     page = browser.new_page(viewport={"width": width, "height": height})
     page.set_default_timeout(15_000)
-    if not every_frame:
-        page.add_init_script(FEW_FRAMES)
+    if not drawn:
+        page.add_init_script(NO_DRAWING)
     try:
         page.goto(address)
         yield page

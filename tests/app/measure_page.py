@@ -87,7 +87,7 @@ class Wire:
 def measure(served: Served, minutes: float) -> Measurement:
     """Look at the page for so long."""
     pids = served.process.pid, served.simulation_pid()
-    with open_browser() as browser, open_page(browser, "about:blank", every_frame=True) as page:
+    with open_browser() as browser, open_page(browser, "about:blank", drawn=True) as page:
         wire = Wire(page)
         start_s = time.monotonic()
         page.goto(served.address)

@@ -69,7 +69,7 @@ def _page_of(browser: Browser, scenario: str) -> Generator[tuple[Served, Page]]:
     flags = ("--scenario", scenario, "--paused", "--no-auto-next", "--no-tour")
     with (
         serve(*flags, module=("run_server.py",)) as served,
-        open_page(browser, served.address, every_frame=True) as page,
+        open_page(browser, served.address, drawn=True) as page,
     ):
         wait_for_node(page, "/object/body", 120.0)
         close_notifications(page)
@@ -95,7 +95,7 @@ def _take_grid(browser: Browser, folder: str) -> None:
             if run["trials"] and run["done"] >= SHARE * run["trials"]:
                 break
             time.sleep(1.0)
-        with open_page(browser, served.address + "experiments", every_frame=True) as page:
+        with open_page(browser, served.address + "experiments", drawn=True) as page:
             page.locator(".cells").first.wait_for()
             _save(page, "experiments")
 

@@ -12,7 +12,7 @@ SETTLE_S = 20.0
 
 
 def test_the_first_frame_is_there_in_time(browser: Browser) -> None:
-    with serve("--paused") as served, open_page(browser, "about:blank", every_frame=True) as page:
+    with serve("--paused") as served, open_page(browser, "about:blank", drawn=True) as page:
         deadline = time.monotonic() + SETTLE_S
         while served.state()["tick"] is None:
             assert time.monotonic() < deadline
