@@ -31,6 +31,7 @@ from backend.sim.world import World
 from backend.snapshot import SceneDescription, Snapshot
 from backend.tasks.judge import Judge
 from backend.tasks.setup import TrialSetup
+from backend.trajectory import Trajectory
 
 STEPS_PER_TICK = 8
 """Snapshots come at 30 Hz of simulated time."""
@@ -58,7 +59,7 @@ class Episode:
         think = ThinkTime(scenario.timing)
         grasps = load_grasps(scenario.robot, scenario.object)
         cycle = Cycle(scenario.method, model.description, limits, kinematics, self._belief, grasps, think, cycle_rng)
-        executor = Executor(kinematics, limits.velocity_rps, scenario.method.execution, home)
+        executor = Executor(kinematics, limits, scenario.method.execution, home)
         predictor = make_predictor(scenario.method.predictor, self._true_object_pose)
         self._pilot = Pilot(cycle, predictor, executor, think)
         self._kinematics = kinematics
@@ -75,6 +76,11 @@ class Episode:
     def close(self) -> None:
         """Give the physics client back."""
         self.world.close()
+
+    @property
+    def in_force(self) -> Trajectory:
+        """What the arm follows now."""
+        return self._pilot.executor.in_force
 
     def apply(self, event: WorldEvent) -> None:
         """Let a live edit act before the next tick, and record it, so that the edited trial can be repeated."""

@@ -151,11 +151,11 @@ class Pilot:
         too_late = request.arm.t_s > approach.arrive_s - TRACKING_LAST_S
         if not self._cycle.method.execution.tracking or too_late or approach.still_right(self._object_at):
             return
-        kinematics, velocity_rps = self._cycle.kinematics, self._cycle.limits.velocity_rps
+        kinematics, limits = self._cycle.kinematics, self._cycle.limits
         if request.arm.t_s < approach.slide_s:
-            corrected = plan_approach(kinematics, velocity_rps, request)
+            corrected = plan_approach(kinematics, limits, request)
         else:
-            corrected = correct_approach(kinematics, velocity_rps, request, approach.arrive_s)
+            corrected = correct_approach(kinematics, limits, request, approach.arrive_s)
         if not isinstance(corrected, Refusal) and self._cycle.rehearsal.unsafe(corrected) is None:
             self._begin(corrected)
 

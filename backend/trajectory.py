@@ -62,6 +62,19 @@ class Trajectory:
         qd = [(v0 + u * (2.0 * c2 + u3 * c3)) / h for _, v0, c2, c3 in joints]
         return np.array(q), np.array(qd)
 
+    def peaks(self, from_s: float = -np.inf, until_s: float = np.inf) -> tuple[Array, Array]:
+        """(dof,) largest |qd| and |qdd| of every joint, exactly, over the pieces that begin in a span of time."""
+        chosen = (self.t_s[:-1] >= from_s - SAME_MOMENT_S) & (self.t_s[:-1] < until_s - SAME_MOMENT_S)
+        h = np.diff(self.t_s)[chosen, None]
+        v0, v1 = self.qd[:-1][chosen], self.qd[1:][chosen]
+        rise = np.diff(self.q, axis=0)[chosen] / h
+        a0, a1 = (6.0 * rise - 4.0 * v0 - 2.0 * v1) / h, (2.0 * v0 + 4.0 * v1 - 6.0 * rise) / h
+        turns = (a0 * a1 < 0.0) & (a0 != a1)
+        share = np.where(turns, a0 / np.where(turns, a0 - a1, 1.0), 0.0)
+        inside = v0 + h * share * (a0 + 0.5 * share * (a1 - a0))
+        velocity = np.abs(np.concatenate([v0, v1, inside])).max(axis=0, initial=0.0)
+        return velocity, np.abs(np.concatenate([a0, a1])).max(axis=0, initial=0.0)
+
     @cached_property
     def _times(self) -> list[float]:
         """The grid as plain numbers: this is asked at every step, and Python is quicker than numpy on so few."""

@@ -46,6 +46,8 @@ class Course:
     """In order; of the cycles that got as far as planning."""
     qs: Array
     """(n, dof) where the arm was at 30 Hz until it went in."""
+    followed: tuple[Trajectory, ...]
+    """What was in force, one after the other, from the first motion to the end of the lift."""
 
 
 def run_course(name: str, scenario: Scenario, seed: int) -> Course:
@@ -55,10 +57,13 @@ def run_course(name: str, scenario: Scenario, seed: int) -> Course:
     home = np.array(model.description.home_rad)
     cycles: list[CycleResult] = []
     qs: list[Array] = []
+    followed: list[Trajectory] = []
     first: Snapshot | None = None
     with Episode(scenario, seed) as episode:
         for snapshot in episode.run():
             first = first or snapshot
+            if not followed or episode.in_force is not followed[-1]:
+                followed.append(episode.in_force)
             if snapshot.phase in ("watch", "move"):
                 qs.append(snapshot.q)
             if snapshot.cycle is not None and (not cycles or snapshot.cycle.number != cycles[-1].number):
@@ -75,6 +80,7 @@ def run_course(name: str, scenario: Scenario, seed: int) -> Course:
         cycles=tuple(cycles),
         problems=_problems(cycles, home),
         qs=np.array(qs),
+        followed=tuple(followed),
     )
 
 
@@ -95,11 +101,6 @@ def show(scene: PlanningScene, problem: Problem) -> PlanRequest:
     """Put the target where it was predicted to be; what was asked."""
     scene.move_target(problem.T_world_object)
     return problem.request
-
-
-def taken_over(course: Course) -> list[Trajectory]:
-    """The trajectories that the arm followed, one after the other, until it went in."""
-    return [cycle.trajectory for cycle in course.cycles if cycle.trajectory is not None and cycle.refused_by is None]
 
 
 def _problems(cycles: list[CycleResult], home: Array) -> tuple[Problem, ...]:

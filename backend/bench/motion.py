@@ -1,4 +1,4 @@
-"""Retiming from any velocity, limits along what was executed, and how directly the arm went."""
+"""Retiming from any velocity, limits along all that was executed, and how directly the arm went."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from backend.bench.course import Course, taken_over
+from backend.bench.course import Course
 from backend.bench.figure import Figure
 from backend.methods.method import Fast
 from backend.pipeline.retime import retime
@@ -35,13 +35,13 @@ def retiming(courses: Sequence[Course], count: int, rng: np.random.Generator) ->
 
 
 def limits(courses: Sequence[Course]) -> list[Figure]:
-    """Largest velocity and acceleration over their limits while in force, and jumps where a new plan takes over."""
+    """Largest velocity and acceleration over their limits, lift included, and jumps where a new motion takes over."""
     fastest, strongest, jump, count = 0.0, 0.0, 0.0, 0
     for course in courses:
-        followed = taken_over(course)
+        followed = course.followed
         for i, trajectory in enumerate(followed):
             until_s = followed[i + 1].start_s if i + 1 < len(followed) else trajectory.end_s
-            qd, qdd = peaks(trajectory, until_s)
+            qd, qdd = trajectory.peaks(until_s=until_s)
             fastest = max(fastest, float((qd / course.limits.velocity_rps).max()))
             strongest = max(strongest, float((qdd / course.limits.acceleration_rps2).max()))
             count += 1
@@ -53,20 +53,6 @@ def limits(courses: Sequence[Course]) -> list[Figure]:
         Figure("limits", "largest acceleration over its limit", strongest, "x", "<=", 1.02, count),
         Figure("limits", "largest jump of velocity at a new plan", jump, "rad/s", "<=", 1e-3, count),
     ]
-
-
-def peaks(trajectory: Trajectory, until_s: float) -> tuple[Array, Array]:
-    """(dof,) largest |qd| and |qdd| of every joint up to ``until_s``, exactly, of the cubics between the knots."""
-    last = max(1, int(np.searchsorted(trajectory.t_s, until_s - 1e-9)))
-    h = np.diff(trajectory.t_s[: last + 1])[:, None]
-    v0, v1 = trajectory.qd[:last], trajectory.qd[1 : last + 1]
-    rise = np.diff(trajectory.q[: last + 1], axis=0) / h
-    a0, a1 = (6.0 * rise - 4.0 * v0 - 2.0 * v1) / h, (2.0 * v0 + 4.0 * v1 - 6.0 * rise) / h
-    turns = (a0 * a1 < 0.0) & (a0 != a1)
-    share = np.where(turns, a0 / np.where(turns, a0 - a1, 1.0), 0.0)
-    inside = v0 + h * share * (a0 + 0.5 * share * (a1 - a0))
-    velocity = np.abs(np.concatenate([v0, v1, inside])).max(axis=0)
-    return velocity, np.abs(np.concatenate([a0, a1])).max(axis=0)
 
 
 def waviness(courses: dict[tuple[str, bool], list[Course]]) -> list[Figure]:

@@ -10,7 +10,10 @@ from backend.objects import load_object
 from backend.robots.models import load_model
 
 BACKEND = Path(__file__).parents[1]
-PHYSICS = ("build/rig.py", "sim/bullet.py", "sim/hand.py", "sim/gripper.py", "pipeline/execute/*.py")
+PHYSICS = (
+    *("build/rig.py", "sim/bullet.py", "sim/hand.py", "sim/gripper.py"),
+    *("pipeline/execute/blend.py", "pipeline/execute/closing.py"),
+)
 """The code that decides how an attempt on the rig ends."""
 
 

@@ -8,8 +8,9 @@ import numpy as np
 from backend.kinematics import Kinematics
 from backend.pipeline.execute import Approach, ApproachRequest, ArmState, plan_approach, plan_lift
 from backend.pipeline.execute.approach import ObjectAt
+from backend.pipeline.retime import JointLimits
 from backend.pipeline.values import Candidate, JointGoal, Refusal
-from backend.pose import Array, Pose
+from backend.pose import Pose
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Trajectory
 
@@ -27,13 +28,12 @@ class Rehearsal:
 
     kinematics: Kinematics
     scene: PlanningScene
-    velocity_rps: Array
-    """(dof,)."""
+    limits: JointLimits
     lift_m: float
 
     def approach(self, request: ApproachRequest) -> Approach | Refusal:
         """A way in that is free and that the lift can follow, or why there is none."""
-        approach = plan_approach(self.kinematics, self.velocity_rps, request)
+        approach = plan_approach(self.kinematics, self.limits, request)
         return approach if isinstance(approach, Refusal) else self.unsafe(approach) or approach
 
     def from_the_first_that_works(
@@ -80,7 +80,7 @@ class Rehearsal:
             return Refusal(f"approach: {self.scene.why_blocked(blocked, target=False)}")
         for lift_s in (approach.arrive_s + LIKELY_CLOSE_S, trajectory.end_s - 1e-3):
             arm = ArmState(*trajectory.sample(lift_s), lift_s)
-            lift = plan_lift(self.kinematics, self.velocity_rps, arm, self.lift_m)
+            lift = plan_lift(self.kinematics, self.limits, arm, self.lift_m)
             if isinstance(lift, Refusal):
                 return lift
         return None

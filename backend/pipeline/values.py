@@ -133,7 +133,7 @@ class Candidate:
     goals: tuple[JointGoal, ...]
     """At least one; the nearest to the arm's configuration first."""
     joint_distance_rad: float
-    """``|q_pregrasp - q| + |q_grasp - q|`` of the first goal."""
+    """To the first goal: ``max |q_pregrasp - q| + max |q_grasp - q|``."""
 
 
 @dataclass(frozen=True, eq=False)

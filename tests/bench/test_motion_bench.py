@@ -1,6 +1,5 @@
 """The bench of motion: its measures against plain oracles, and that all of it runs."""
 
-import itertools
 import json
 import math
 
@@ -9,13 +8,12 @@ import pytest
 
 from backend.bench.course import Course, run_course, scene_of, show
 from backend.bench.figure import Figure
-from backend.bench.motion import peaks, reversals
+from backend.bench.motion import reversals
 from backend.bench.seeding import hard_problems
 from backend.bench.truth import Truth
 from backend.cli import main
 from backend.pose import Pose
 from backend.scenario import load_scenario, with_overrides
-from backend.trajectory import Trajectory
 
 
 @pytest.fixture(scope="module")
@@ -30,21 +28,6 @@ def test_a_figure_meets_its_target_or_misses_it():
     assert Figure("a", "b", math.nan, sense=">=", target=5.0).met is False
     assert Figure("a", "b", 5.0).met is None
     assert "MISSED" in Figure("a", "b", 5.1, "ms", "<=", 5.0, 3).line()
-
-
-def test_peaks_are_those_of_the_sampled_motion():
-    rng = np.random.default_rng(1)
-    t_s = np.cumsum(rng.uniform(0.05, 0.2, 12))
-    trajectory = Trajectory(t_s, rng.normal(size=(12, 3)), rng.normal(size=(12, 3)))
-    until_s = float(t_s[-1]) - 1e-6
-    times = np.concatenate([np.linspace(a + 1e-9, b - 1e-9, 2001) for a, b in itertools.pairwise(t_s)])
-    qd = np.array([trajectory.sample(float(t))[1] for t in times])
-    velocity, acceleration = peaks(trajectory, until_s)
-    assert np.allclose(velocity, np.abs(qd).max(axis=0), rtol=1e-4)
-    rates = np.concatenate(
-        [np.diff(part, axis=0) / (dt / 2000) for part, dt in zip(np.split(qd, len(t_s) - 1), np.diff(t_s), strict=True)]
-    )
-    assert np.allclose(acceleration, np.abs(rates).max(axis=0), rtol=5e-3)
 
 
 def test_reversals_are_the_turns_of_a_wave():

@@ -15,6 +15,7 @@ from backend.pipeline.execute import Approach, ApproachRequest, ArmState
 from backend.pipeline.filter import shortlist
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.rehearse import Rehearsal
+from backend.pipeline.retime import JointLimits
 from backend.pipeline.values import Candidate, JointGoal, Refusal
 from backend.pose import Array, Pose
 from backend.sim.planning_scene import PlanningScene
@@ -38,8 +39,9 @@ def request(candidate: Candidate, goal: JointGoal) -> ApproachRequest:
     return ApproachRequest(arm, object_at, candidate.T_object_grasp, BACKOFF_M, slide_s=1.0, ride_s=1.0)
 
 
-def rehearsal(scene: PlanningScene, fastest_rps: float = 1.0) -> Rehearsal:
-    return Rehearsal(KINEMATICS, scene, np.full(6, fastest_rps), lift_m=0.1)
+def rehearsal(scene: PlanningScene, fastest_rps: float = 1.0, strongest_rps2: float = 10.0) -> Rehearsal:
+    limits = JointLimits(np.full(6, fastest_rps), np.full(6, strongest_rps2))
+    return Rehearsal(KINEMATICS, scene, limits, lift_m=0.1)
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +61,24 @@ def test_a_way_in_ends_on_the_moving_object(picked: tuple[Candidate, ...]):
         q, _ = approach.trajectory.sample(approach.arrive_s)
         grasp = object_at(np.array([approach.arrive_s]))[0] @ candidate.T_object_grasp.matrix
         np.testing.assert_allclose(KINEMATICS.fk(q), grasp, atol=2e-3)
+
+
+def test_a_way_in_keeps_to_the_limits_and_takes_longer_for_it(picked: tuple[Candidate, ...]):
+    def way_in(strongest_rps2: float) -> Approach | Refusal:
+        return rehearsal(PlanningScene(KINEMATICS), 0.35, strongest_rps2).approach(asked)
+
+    compared = 0
+    for candidate in picked:
+        asked = request(candidate, candidate.goals[0])
+        strong, weak = way_in(10.0), way_in(0.2)
+        if isinstance(strong, Refusal) or isinstance(weak, Refusal):
+            continue
+        compared += 1
+        for approach, strongest_rps2 in ((strong, 10.0), (weak, 0.2)):
+            velocity, acceleration = approach.trajectory.peaks()
+            assert velocity.max() <= 0.35 * 1.001 and acceleration.max() <= strongest_rps2 * 1.001
+        assert weak.arrive_s > strong.arrive_s
+    assert compared
 
 
 def test_an_obstacle_in_the_way_is_named(picked: tuple[Candidate, ...]):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from backend.methods.method import Fast, Toppra
-from backend.pipeline.execute.cartesian import speed_ratio
+from backend.pipeline.execute.cartesian import limit_ratio
 from backend.pipeline.retime import JointLimits, retime, stop
 from backend.pipeline.values import Refusal
 from backend.pose import Array
@@ -114,9 +114,15 @@ def test_a_stop_comes_to_rest_within_limits(limits: JointLimits):
     assert (peak_acceleration(halt) <= 1.05 * limits.acceleration_rps2).all()
 
 
-def test_the_speed_ratio_is_that_of_the_fastest_joint_in_the_span(limits: JointLimits):
-    qs = np.zeros((3, 6))
+def test_the_limit_ratio_is_how_much_slower_a_motion_would_have_to_be(limits: JointLimits):
+    qs, slow = np.zeros((3, 6)), np.zeros((3, 6))
     qs[1, 2], qs[2, 2] = 0.5 * limits.velocity_rps[2], 1.0 * limits.velocity_rps[2]
-    passed = Trajectory(np.array([4.0, 5.0, 5.25]), qs, np.zeros((3, 6)))
-    assert speed_ratio(passed, limits.velocity_rps) == pytest.approx(2.0)
-    assert speed_ratio(passed, limits.velocity_rps, until_s=1.0) == pytest.approx(0.5)
+    passed = Trajectory(np.array([4.0, 5.0, 5.25]), qs, slow)
+    lazy = JointLimits(limits.velocity_rps, np.full(6, 1e9))
+    assert limit_ratio(passed, lazy) == pytest.approx(1.5 * 2.0)  # a cubic from rest to rest peaks at 1.5 x its mean
+    assert limit_ratio(passed, lazy, until_s=1.0) == pytest.approx(1.5 * 0.5)
+    for strength in (0.1, 1.0, 10.0):
+        weak = JointLimits(np.full(6, 1e9), np.full(6, strength))
+        ratio = limit_ratio(passed, weak)
+        slower = Trajectory(4.0 + ratio * (passed.t_s - 4.0), qs, slow)
+        assert limit_ratio(slower, weak) == pytest.approx(1.0)

@@ -1,11 +1,12 @@
 """execute: Trajectory -> joint targets; approach, close, lift."""
 
 from backend.pipeline.execute.approach import Approach, ApproachRequest, correct_approach, plan_approach
+from backend.pipeline.execute.blend import SHORTEST_LIFT_S, lift_way
 from backend.pipeline.execute.can_grasp import can_grasp
 from backend.pipeline.execute.cartesian import ArmState
 from backend.pipeline.execute.closing import CLOSE_AT_MOST_S, Closing
 from backend.pipeline.execute.executor import Executor
-from backend.pipeline.execute.lift import SHORTEST_LIFT_S, lift_way, plan_lift
+from backend.pipeline.execute.lift import plan_lift
 
 __all__ = [
     "CLOSE_AT_MOST_S",

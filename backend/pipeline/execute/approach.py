@@ -9,7 +9,8 @@ import numpy as np
 
 from backend.kinematics import Kinematics
 from backend.pipeline.execute.blend import rotations, rotvec, to_zero
-from backend.pipeline.execute.cartesian import ArmState, follow, knot_times, speed_ratio
+from backend.pipeline.execute.cartesian import WITHIN, ArmState, follow, knot_times, limit_ratio
+from backend.pipeline.retime.limits import JointLimits
 from backend.pipeline.values import Refusal
 from backend.pose import Array, Pose, inverse, rotation_angle_rad
 from backend.trajectory import Trajectory
@@ -62,7 +63,7 @@ class ApproachRequest:
     """How long to ride along after the arrival."""
 
 
-def plan_approach(kinematics: Kinematics, velocity_rps: Array, request: ApproachRequest) -> Approach | Refusal:
+def plan_approach(kinematics: Kinematics, limits: JointLimits, request: ApproachRequest) -> Approach | Refusal:
     """Settle onto the grasp's axis at the back-off distance, then slide in, as fast as the joints allow.
 
     Both happen in the frame of the moving object. The motion starts with the velocity the arm has, and arrives at
@@ -82,9 +83,9 @@ def plan_approach(kinematics: Kinematics, velocity_rps: Array, request: Approach
         trajectory = _followed(kinematics, request, t_s, place, turn)
         if trajectory is None:
             return Refusal("the arm cannot follow the approach on one IK branch")
-        aligning = speed_ratio(trajectory, velocity_rps, until_s=align_s)
-        sliding = speed_ratio(trajectory, velocity_rps, from_s=align_s)
-        if max(aligning, sliding) <= 1.0:
+        aligning = limit_ratio(trajectory, limits, until_s=align_s)
+        sliding = limit_ratio(trajectory, limits, from_s=align_s)
+        if max(aligning, sliding) <= WITHIN:
             slide_start_s = request.arm.t_s + align_s
             return _approach(trajectory, slide_start_s, slide_start_s + slide_s, request)
         align_s *= _stretch(aligning)
@@ -95,7 +96,7 @@ def plan_approach(kinematics: Kinematics, velocity_rps: Array, request: Approach
 
 
 def correct_approach(
-    kinematics: Kinematics, velocity_rps: Array, request: ApproachRequest, arrive_s: float
+    kinematics: Kinematics, limits: JointLimits, request: ApproachRequest, arrive_s: float
 ) -> Approach | Refusal:
     """Bend a slide that is under way to a new prediction, without changing when it arrives."""
     offset, drift, spin = _relative_state(kinematics, request)
@@ -104,7 +105,7 @@ def correct_approach(
     place = to_zero(offset[:3, 3], drift, left_s, t_s)
     turn = to_zero(rotvec(offset[:3, :3]), spin, left_s, t_s)
     trajectory = _followed(kinematics, request, t_s, place, turn)
-    if trajectory is None or speed_ratio(trajectory, velocity_rps) > 1.0:
+    if trajectory is None or limit_ratio(trajectory, limits) > WITHIN:
         return Refusal("the correction is beyond the arm")
     return _approach(trajectory, request.arm.t_s, arrive_s, request)
 

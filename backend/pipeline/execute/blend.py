@@ -1,8 +1,12 @@
-"""Quintic that takes a position and velocity to rest at zero: the shape of every approach and lift."""
+"""Quintic that takes a position and velocity to rest at zero: the shape of every approach and lift, on the rig too."""
 
 import numpy as np
 
 from backend.pose import Array
+
+SHORTEST_LIFT_S = 1.0
+COAST_S = 0.4
+"""What horizontal speed the hand has dies away in so long."""
 
 
 def to_zero(start: Array, velocity: Array, duration_s: float, t_s: Array) -> Array:
@@ -15,6 +19,14 @@ def to_zero(start: Array, velocity: Array, duration_s: float, t_s: Array) -> Arr
     rest = 1.0 - u**3 * (10.0 - 15.0 * u + 6.0 * u**2)
     moving = u * T * (1.0 - u**2 * (6.0 - 8.0 * u + 3.0 * u**2))
     return rest * start + moving * velocity
+
+
+def lift_way(t_s: Array, velocity_mps: Array, duration_s: float, lift_m: float) -> Array:
+    """(n, 3) where the hand has gone ``t_s`` (n,) after the lift began at ``velocity_mps`` (3,)."""
+    coasted = velocity_mps * COAST_S / 2
+    way = coasted + to_zero(-coasted, velocity_mps, COAST_S, t_s)
+    way[:, 2] += lift_m + to_zero(np.array([-lift_m]), np.zeros(1), duration_s, t_s)[:, 0]
+    return way
 
 
 def rotations(rotvecs: Array) -> Array:

@@ -1,16 +1,19 @@
-"""Cartesian motion as a joint trajectory: dense tcp poses followed by IK on one branch, within joint speeds."""
+"""Cartesian motion as a joint trajectory: dense tcp poses followed by IK on one branch, within joint limits."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from backend.kinematics import Kinematics
+from backend.pipeline.retime.limits import JointLimits
 from backend.pose import Array
 from backend.trajectory import Trajectory
 
 KNOTS_PER_S = 60.0
 MAX_STEP_RAD = 0.15
 """A larger change of any joint between two knots is a jump to another IK branch."""
+WITHIN = 1.0 + 1e-6
+"""``limit_ratio`` of a motion within its limits: the arm may be at one of them when it begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +44,12 @@ def follow(kinematics: Kinematics, arm: ArmState, t_s: Array, Ts_world_tcp: Arra
     return Trajectory(arm.t_s + t_s, qs, qds)
 
 
-def speed_ratio(trajectory: Trajectory, velocity_rps: Array, from_s: float = 0.0, until_s: float = np.inf) -> float:
-    """Largest joint speed between knots as a multiple of its limit (dof,), in a span counted from the start."""
-    begin = trajectory.t_s[:-1] - trajectory.start_s
-    speeds = np.abs(np.diff(trajectory.q, axis=0)) / np.diff(trajectory.t_s)[:, None] / velocity_rps
-    return float(speeds[(begin >= from_s) & (begin < until_s)].max(initial=0.0))
+def limit_ratio(trajectory: Trajectory, limits: JointLimits, from_s: float = 0.0, until_s: float = np.inf) -> float:
+    """How many times as long a motion would have to take for its limits, in a span counted from its start.
+
+    The largest joint speed over its limit, or the root of the largest acceleration over its own.
+    """
+    start_s = trajectory.start_s
+    velocity, acceleration = trajectory.peaks(start_s + from_s, start_s + until_s)
+    over = np.maximum(velocity / limits.velocity_rps, np.sqrt(acceleration / limits.acceleration_rps2))
+    return float(over.max())

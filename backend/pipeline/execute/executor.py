@@ -6,6 +6,7 @@ from backend.pipeline.execute.approach import Approach
 from backend.pipeline.execute.cartesian import ArmState
 from backend.pipeline.execute.closing import Closing
 from backend.pipeline.execute.lift import plan_lift
+from backend.pipeline.retime.limits import JointLimits
 from backend.pipeline.values import Phase, Refusal
 from backend.pose import Array
 from backend.sim.bullet import STEP_S, GripperDrive
@@ -18,17 +19,22 @@ LIFT_PARTS = (1.0, 0.8, 0.6)
 class Executor:
     """Holds the trajectory in force, the one that takes over next, and the phase."""
 
-    def __init__(self, kinematics: Kinematics, velocity_rps: Array, config: Execution, home: Array) -> None:
+    def __init__(self, kinematics: Kinematics, limits: JointLimits, config: Execution, home: Array) -> None:
         self.phase: Phase = "watch"
         self.approach: Approach | None = None
         """The approach under way."""
         self.lift_refusal: str | None = None
         self._kinematics = kinematics
-        self._velocity_rps = velocity_rps
+        self._limits = limits
         self._config = config
         self._current = Trajectory.hold(home, 0.0)
         self._next: Trajectory | None = None
         self._closing: Closing | None = None
+
+    @property
+    def in_force(self) -> Trajectory:
+        """What the arm follows now."""
+        return self._current
 
     def arm_at(self, t_s: float) -> ArmState:
         """Where the arm will be commanded to be at ``t_s``, as far as is decided now."""
@@ -75,7 +81,7 @@ class Executor:
         """Straight up as far as was asked, or as far as the arm can."""
         for part in LIFT_PARTS:
             lift_m = part * self._config.lift_m
-            lift = plan_lift(self._kinematics, self._velocity_rps, self.arm_at(t_s), lift_m)
+            lift = plan_lift(self._kinematics, self._limits, self.arm_at(t_s), lift_m)
             if not isinstance(lift, Refusal):
                 self._next = lift
                 self.phase = "lift"

@@ -50,8 +50,11 @@ def pick_nearest(shortlist: Shortlist, context: RankContext) -> tuple[tuple[Cand
 
 
 def distance_rad(goal: JointGoal, q: Array) -> float:
-    """``|q_pregrasp - q| + |q_grasp - q|``."""
-    return float(np.linalg.norm(goal.q_pregrasp - q) + np.linalg.norm(goal.q_grasp - q))
+    """The turn of the joint that turns furthest, to the pregrasp and to the grasp, added up.
+
+    All joints move at once, so that one decides how long the arm is on its way.
+    """
+    return float(np.abs(goal.q_pregrasp - q).max() + np.abs(goal.q_grasp - q).max())
 
 
 def _next_to_the_arm(
