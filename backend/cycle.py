@@ -147,6 +147,7 @@ class Cycle:
             return self.approach_request(arm, candidate.T_object_grasp, predictor)
 
         picked, refused = self.rehearsal.from_the_first_that_works(picked, start.trusted, request)
+        self.scene.move_target(prediction.pose(1))
         return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
 
     def _move(

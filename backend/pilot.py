@@ -156,7 +156,7 @@ class Pilot:
             corrected = plan_approach(kinematics, limits, request)
         else:
             corrected = correct_approach(kinematics, limits, request, approach.arrive_s)
-        if not isinstance(corrected, Refusal) and self._cycle.rehearsal.unsafe(corrected) is None:
+        if not isinstance(corrected, Refusal) and self._cycle.rehearsal.unsafe(corrected, request) is None:
             self._begin(corrected)
 
     def _request(self, t_s: float) -> ApproachRequest:

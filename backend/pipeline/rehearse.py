@@ -18,6 +18,8 @@ LIKELY_CLOSE_S = 0.5
 """About when after the arrival the fingers have closed and the lift begins."""
 CHECK_EVERY = 4
 """Knots of the approach between two collision checks, 1/15 s."""
+LIFT_LOOKS = 4
+"""Postures of the lift that are checked, first and last included."""
 LOOK_EVERY_S = 0.1
 """Time between two looks at whether arm and moving object meet."""
 
@@ -34,7 +36,7 @@ class Rehearsal:
     def approach(self, request: ApproachRequest) -> Approach | Refusal:
         """A way in that is free and that the lift can follow, or why there is none."""
         approach = plan_approach(self.kinematics, self.limits, request)
-        return approach if isinstance(approach, Refusal) else self.unsafe(approach) or approach
+        return approach if isinstance(approach, Refusal) else self.unsafe(approach, request) or approach
 
     def from_the_first_that_works(
         self,
@@ -70,9 +72,13 @@ class Rehearsal:
                 return f"in {now_s - trajectory.start_s:.1f} s {why}" if k else ""
         return ""
 
-    def unsafe(self, approach: Approach) -> Refusal | None:
-        """Why the way in, or the lift that follows it, cannot be done; None when both can."""
+    def unsafe(self, approach: Approach, request: ApproachRequest) -> Refusal | None:
+        """Why the way in, or the lift that follows it, cannot be done; None when both can.
+
+        Leaves the scene's target somewhere on its way.
+        """
         trajectory = approach.trajectory
+        self.scene.move_target(approach.T_world_object)
         going_in = trajectory.q[trajectory.t_s <= approach.arrive_s + 1e-9][::-CHECK_EVERY]
         free = self.scene.free_many(going_in, target=False)
         if not free.all():
@@ -83,4 +89,20 @@ class Rehearsal:
             lift = plan_lift(self.kinematics, self.limits, arm, self.lift_m)
             if isinstance(lift, Refusal):
                 return lift
+            touched = self._touched_in(lift, request)
+            if touched:
+                return Refusal(f"lift: {touched}")
         return None
+
+    def _touched_in(self, lift: Trajectory, request: ApproachRequest) -> str:
+        """What the arm would touch while it raises the object and the tray goes on without it; empty if nothing."""
+        t_s = np.linspace(lift.start_s, lift.end_s, LIFT_LOOKS)
+        T_grasp_object = request.T_object_grasp.inverse()
+        for T_world_left, now_s in zip(request.object_at(t_s), t_s.tolist(), strict=True):
+            q, _ = lift.sample(now_s)
+            self.scene.move_target(Pose(T_world_left))
+            self.scene.carry_target(Pose(self.kinematics.fk(q)) @ T_grasp_object)
+            why = self.scene.why_blocked(q, hand_may_touch_target=True)
+            if why:
+                return why
+        return ""

@@ -102,10 +102,15 @@ class PlanningScene:
 
     def move_target(self, T_world_object: Pose) -> None:
         """Put the target elsewhere, and its tray with it."""
+        self.carry_target(T_world_object)
+        assert self._target is not None
+        self._table.move(self._target.tray, T_world_object @ self._target.T_object_tray)
+
+    def carry_target(self, T_world_object: Pose) -> None:
+        """Put the target elsewhere, off its tray, which stays."""
         if self._target is None:
             raise InvalidInputError("The planning scene has no target yet; give it one with set_target.")
         self._table.move(self._target.body, T_world_object)
-        self._table.move(self._target.tray, T_world_object @ self._target.T_object_tray)
 
     def is_free(self, q: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> bool:
         """Whether posture ``q`` (dof,) rad touches nothing. ``target=False``: as if it were not there."""

@@ -44,6 +44,12 @@ def rehearsal(scene: PlanningScene, fastest_rps: float = 1.0, strongest_rps2: fl
     return Rehearsal(KINEMATICS, scene, limits, lift_m=0.1)
 
 
+def standing_on_the_belt() -> PlanningScene:
+    scene = PlanningScene(KINEMATICS)
+    scene.set_target(load_object("cube"), START, (0.1, 0.1, 0.02), START)
+    return scene
+
+
 @pytest.fixture(scope="module")
 def picked() -> tuple[Candidate, ...]:
     candidates = convert(load_grasps("ur5_robotiq", "cube"), START, BACKOFF_M)
@@ -54,7 +60,7 @@ def picked() -> tuple[Candidate, ...]:
 
 
 def test_a_way_in_ends_on_the_moving_object(picked: tuple[Candidate, ...]):
-    answers = [rehearsal(PlanningScene(KINEMATICS)).approach(request(c, c.goals[0])) for c in picked]
+    answers = [rehearsal(standing_on_the_belt()).approach(request(c, c.goals[0])) for c in picked]
     passed = [(c, a) for c, a in zip(picked, answers, strict=True) if isinstance(a, Approach)]
     assert passed
     for candidate, approach in passed:
@@ -65,7 +71,7 @@ def test_a_way_in_ends_on_the_moving_object(picked: tuple[Candidate, ...]):
 
 def test_a_way_in_keeps_to_the_limits_and_takes_longer_for_it(picked: tuple[Candidate, ...]):
     def way_in(strongest_rps2: float) -> Approach | Refusal:
-        return rehearsal(PlanningScene(KINEMATICS), 0.35, strongest_rps2).approach(asked)
+        return rehearsal(standing_on_the_belt(), 0.35, strongest_rps2).approach(asked)
 
     compared = 0
     for candidate in picked:
@@ -82,33 +88,49 @@ def test_a_way_in_keeps_to_the_limits_and_takes_longer_for_it(picked: tuple[Cand
 
 
 def test_an_obstacle_in_the_way_is_named(picked: tuple[Candidate, ...]):
-    scene = PlanningScene(KINEMATICS)
+    scene = standing_on_the_belt()
     scene.add_object(load_object("sugar_box"), START)
     answer = rehearsal(scene).approach(request(picked[0], picked[0].goals[0]))
     assert isinstance(answer, Refusal)
     assert answer.why.startswith("approach: ") and "sugar_box" in answer.why
 
 
+def test_what_is_above_the_hand_is_in_the_way_of_the_lift_first(picked: tuple[Candidate, ...]):
+    def answer(above_m: float) -> Approach | Refusal:
+        scene = standing_on_the_belt()
+        scene.add_box((0.04, 0.04, 0.04), Pose.of((*where[:2], where[2] + above_m)))
+        return rehearsal(scene).approach(request(from_above, from_above.goals[0]))
+
+    from_above = min(picked, key=lambda candidate: candidate.T_world_grasp.rotation[2, 2])
+    arrived = rehearsal(standing_on_the_belt()).approach(request(from_above, from_above.goals[0]))
+    assert isinstance(arrived, Approach)
+    where = KINEMATICS.fk(arrived.trajectory.sample(arrived.arrive_s + 0.5)[0])[:3, 3]
+    answers = [answer(above_m) for above_m in np.arange(0.9, 0.0, -0.02)]
+    assert isinstance(answers[0], Approach)
+    first = next(answer for answer in answers if isinstance(answer, Refusal))
+    assert re.fullmatch(r"lift: \S+ too near to the slab", first.why)
+
+
 def test_what_fails_gives_way_to_what_passes(picked: tuple[Candidate, ...]):
     works = next(
-        c for c in picked if isinstance(rehearsal(PlanningScene(KINEMATICS)).approach(request(c, c.goals[0])), Approach)
+        c for c in picked if isinstance(rehearsal(standing_on_the_belt()).approach(request(c, c.goals[0])), Approach)
     )
     away = replace(works, index=-1, T_object_grasp=Pose.of((0.0, 0.0, 3.0)))
-    left, refused = rehearsal(PlanningScene(KINEMATICS)).from_the_first_that_works((away, works), None, request)
+    left, refused = rehearsal(standing_on_the_belt()).from_the_first_that_works((away, works), None, request)
     assert [c.index for c in left] == [works.index]
     assert len(left[0].goals) >= 1
     assert set(refused) == {-1} and refused[-1].startswith("in rehearsal: ")
 
 
 def test_when_none_passes_all_are_left(picked: tuple[Candidate, ...]):
-    left, refused = rehearsal(PlanningScene(KINEMATICS), 1e-4).from_the_first_that_works(picked, None, request)
+    left, refused = rehearsal(standing_on_the_belt(), 1e-4).from_the_first_that_works(picked, None, request)
     assert left == picked
     assert set(refused) == {c.index for c in picked}
     assert all("too slow" in why for why in refused.values())
 
 
 def test_what_has_passed_a_moment_ago_is_trusted(picked: tuple[Candidate, ...]):
-    slow = rehearsal(PlanningScene(KINEMATICS), 1e-4)
+    slow = rehearsal(standing_on_the_belt(), 1e-4)
     left, refused = slow.from_the_first_that_works(picked, picked[1].index, request)
     assert left == picked[1:]
     assert set(refused) == {picked[0].index}
@@ -119,12 +141,6 @@ def sweep(begin_s: float, candidate: Candidate) -> Trajectory:
     q = candidate.goals[0].q_grasp
     aside = np.array([0.8, 0.0, 0.0, 0.0, 0.0, 0.0])
     return Trajectory(begin_s + np.array([0.0, 4.0]), np.stack([q - aside, q + aside]), np.tile(aside / 2.0, (2, 1)))
-
-
-def standing_on_the_belt() -> PlanningScene:
-    scene = PlanningScene(KINEMATICS)
-    scene.set_target(load_object("cube"), START, (0.1, 0.1, 0.02), START)
-    return scene
 
 
 def test_a_motion_through_the_object_as_it_moves_is_told_and_when(picked: tuple[Candidate, ...]):
