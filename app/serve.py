@@ -33,10 +33,10 @@ def serve(settings: Settings, listener: socket.socket, engine: Engine | None = N
     Raises ``GraspingError`` before anything starts when the first scenario cannot be run.
     """
     first = Restart(scenario=settings.scenario, seed=settings.seed, overrides={})
-    session = Session(engine or BackendEngine(), first, settings.paused)
+    session = Session(engine or BackendEngine(), first, settings.paused, settings.auto_next)
     session.start()
     try:
-        dashboard = Dashboard(session, settings.auto_next, settings.low_fx, settings.tour)
+        dashboard = Dashboard(session, settings.low_fx, settings.tour)
         dashboard.start()
         try:
             with contextlib.closing(Runs(Path(settings.runs))) as runs:

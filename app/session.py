@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import multiprocessing
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from multiprocessing.context import SpawnProcess
@@ -16,6 +17,7 @@ from app.history import History, Moment
 from app.people import People
 from app.reports import Crashed, Edited, Ended, Pace, Progress, Refused, Report, Sight, Started, filled_in
 from app.state import SessionState, SimulationDownError, cause_of_end
+from app.view import SharedView
 from app.wanted import compared_with
 from app.worker import run_process
 from backend.errors import InvalidInputError
@@ -24,7 +26,7 @@ from backend.errors import InvalidInputError
 class Session:
     """One simulation process at a time; a crash is a state, not an exception."""
 
-    def __init__(self, engine: Engine, first: Restart, paused: bool = False) -> None:
+    def __init__(self, engine: Engine, first: Restart, paused: bool = False, auto_next: bool = True) -> None:
         """Raises ``GraspingError`` when ``first`` cannot be run. Starts nothing."""
         self.engine = engine
         self.people = People()
@@ -39,7 +41,8 @@ class Session:
         self.history = History()
         self._continued: Restart | None = None
         pace = Pace(paused, 1.0, 0.0)
-        self._state = SessionState("starting", engine.describe(first), first, loading=True, pace=pace)
+        view = SharedView(auto_next=auto_next)
+        self._state = SessionState("starting", engine.describe(first), first, loading=True, pace=pace, view=view)
 
     @property
     def state(self) -> SessionState:
@@ -101,6 +104,12 @@ class Session:
             case _:
                 pass
         self._pass_on(command)
+
+    def change_view(self, change: Callable[[SharedView], SharedView]) -> SharedView:
+        """The view that ``change`` makes of the one there is; no other change comes between."""
+        with self._lock:
+            self._change(view=change(self._state.view))
+            return self._state.view
 
     def _described(self, restart: Restart) -> TrialInfo:
         """What would run; raises ``GraspingError`` when that, or what it is to be compared with, cannot."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import signal
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from app.commands import Restart
 from app.engine import Keepsake, TrialInfo
 from app.history import Moment, newest
 from app.reports import Crashed, Pace, Sight, Started, Traces
+from app.view import SharedView
 from backend.errors import GraspingError, InvalidInputError
 from backend.events import TimedEvent
 from backend.snapshot import Snapshot
@@ -33,6 +34,8 @@ class SessionState:
     loading: bool
     """A new episode was asked for and has not begun."""
     pace: Pace
+    view: SharedView = field(default_factory=SharedView)
+    """The page's and scripts' own; nothing in the simulation knows of it."""
     started: Started | None = None
     snapshot: Snapshot | None = None
     """Newest tick of the running episode; its ``cycle`` is filled in."""

@@ -10,6 +10,7 @@ from app.api.runs import runs_router
 from app.api.scenarios import scenarios_router
 from app.api.session import session_router
 from app.api.share import share_router
+from app.api.view import view_router
 from app.proxy import Relay
 from app.runs.runs import Runs
 from app.session import Session
@@ -29,6 +30,7 @@ def api_router(session: Session, runs: Runs, relay: Relay) -> APIRouter:
         health_router(session, relay),
         scenarios_router(session.engine),
         session_router(session),
+        view_router(session),
         control_router(session),
         events_router(session),
         share_router(session),

@@ -1,4 +1,4 @@
-"""Examples of commands, as the API's description shows them."""
+"""Examples of commands and views, as the API's description shows them."""
 
 from fastapi.openapi.models import Example
 
@@ -47,4 +47,11 @@ COMMANDS: dict[str, Example] = {
     ),
     "look back": _example("Show an earlier moment; null is the newest", kind="look_back", t_s=2.5),
     "go on": _example("Play on from the moment shown", kind="go_on"),
+}
+
+VIEWS: dict[str, Example] = {
+    "auto next": _example("Do not begin the next trial by itself", auto_next=False),
+    "colours": _example("Colour the small hands by reachability", grasps_by="Reachability"),
+    "card": _example("Show the card of a grasp; null shows none", grasp=12),
+    "layers": _example("Show every layer of the scene but two; [] shows all", hidden=["All grasps", "Hand trail"]),
 }

@@ -17,8 +17,8 @@ from app.ui.camera import CameraKeeper
 from app.ui.desk import Desk
 from app.ui.help import Guide
 from app.ui.memory import Memory
+from app.ui.own import add_view_switches
 from app.ui.panels import View
-from app.ui.panels.legend import add_legend, add_view_switches
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
 from app.ui.rooms import furnish, light
@@ -26,6 +26,7 @@ from app.ui.start import start_viser
 from app.ui.theme import Theme
 from app.ui.touch import DeskTouch
 from app.ui.worlds import Worlds
+from app.view import SharedView
 from backend.errors import GraspingError
 
 FRAME_S = 1 / 30
@@ -35,7 +36,7 @@ PANELS_S = 1 / 5
 class Dashboard:
     """Owns the viser server and the thread that draws."""
 
-    def __init__(self, session: Session, auto_next: bool, low_fx: bool, tour: bool) -> None:
+    def __init__(self, session: Session, low_fx: bool, tour: bool) -> None:
         self._session = session
         self.key = secrets.token_urlsafe(24)
         """Opens the viser server."""
@@ -44,16 +45,17 @@ class Dashboard:
         memory = Memory()
         self._theme, self._guide = Theme(memory), Guide(memory, tour)
         self._desk = Desk(self.server, session)
-        self._auto_next = AutoNext(auto_next)
+        self._auto_next = AutoNext()
         self._tally = Tally()
         self._worlds = Worlds(self.server.scene, DeskTouch(self._desk))
         self._stopping = threading.Event()
         self._begun: Started | None = None
         self._panels_due_s = 0.0
         self._refusals = 0
+        self._view = session.state.view
         light(self.server.scene, low_fx)
         gui = self.server.gui
-        self._panels = furnish(gui, lambda kind: kind(gui, self._desk, self._auto_next), self._add_view_tab)
+        self._panels = furnish(gui, lambda kind: kind(gui, self._desk), self._add_view_tab)
         self._draw_panels(session.state, 0.0)
         self.server.on_client_connect(self._seat)
         self.server.on_client_connect(self._welcome)
@@ -73,9 +75,7 @@ class Dashboard:
             self.server.stop()
 
     def _add_view_tab(self) -> None:
-        gui = self.server.gui
-        add_view_switches(gui, self._camera, self._theme, self._guide)
-        add_legend(gui, self._worlds, self._desk)
+        add_view_switches(self.server.gui, self._camera, self._theme, self._guide)
 
     async def _seat(self, client: viser.ClientHandle) -> None:
         self._desk.who.arrive(client)
@@ -93,6 +93,7 @@ class Dashboard:
         while not self._stopping.is_set():
             state = self._session.next_tick(state, FRAME_S)
             if self._desk.fulfil():
+                state = self._session.state
                 self._panels_due_s = 0.0  # whoever asked for something sees it at once
             self.draw(state)
 
@@ -100,21 +101,23 @@ class Dashboard:
         """One frame."""
         now_s = time.monotonic()
         if state.started is not None and state.started is not self._begun:
-            self._begin(state.started)
+            self._begin(state.started, state.view)
         if not self.server.get_clients():
             return
+        if state.view is not self._view:
+            self._view, self._panels_due_s = state.view, 0.0  # and so does everybody
         with self.server.atomic():
             if state.started is not None:
-                self._worlds.draw(state.shown, self._desk.looks)
+                self._worlds.draw(state.shown)
             if now_s >= self._panels_due_s:
                 self._panels_due_s = now_s + PANELS_S
                 self._draw_panels(state, now_s)
 
-    def _begin(self, started: Started) -> None:
+    def _begin(self, started: Started, view: SharedView) -> None:
         """A new trial is built even while nobody looks, so that whoever comes sees it at once."""
         load_robot_parts(started.scene.robot)  # slow at first; nothing is sent during an atomic block
         with self.server.atomic():
-            self._worlds.begin(started)
+            self._worlds.begin(started, view)
             self._camera.begin(started)
         self._begun = started
 
@@ -137,5 +140,5 @@ class Dashboard:
         try:
             self._desk.restart(seed=state.restart.seed + 1)
         except GraspingError as error:
-            self._auto_next.enabled = False
-            self._desk.say("Not possible", str(error), "red")
+            self._desk.change_view(auto_next=False)
+            self._desk.say("Not possible", f"{error}\nAuto next is off now.", "red")

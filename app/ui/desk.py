@@ -14,8 +14,8 @@ from pydantic import ValidationError
 from app.commands import Command, OverrideValue, Restart
 from app.people import NotDrivingError
 from app.session import Session
-from app.ui.looks import Looks
 from app.ui.who import Who
+from app.view import SharedView
 from backend.config import Config, explain
 from backend.errors import GraspingError, InvalidInputError
 
@@ -44,8 +44,6 @@ class Desk:
         self.session = session
         self.status_line = ""
         """The last answer, for the status line."""
-        self.looks = Looks()
-        """Set by wishes only, and so by the dashboard's thread only."""
         self.who = Who(session.people)
         self._server = server
         self._lock = threading.Lock()
@@ -110,6 +108,12 @@ class Desk:
     def send(self, command: Command) -> None:
         """Pass a command on; raises ``GraspingError``."""
         self.session.send(command)
+
+    def change_view(self, **values: Any) -> Answer:
+        """Change what everybody is shown; raises ``InvalidInputError``."""
+        change = checked(SharedView, **values)
+        self.session.change_view(lambda view: view.changed(change))
+        return None
 
     def restart(
         self,

@@ -45,14 +45,14 @@ def _grasped(snapshot: Snapshot | None) -> bool:
 class AutoNext:
     """Says when the next seed is due."""
 
-    def __init__(self, enabled: bool) -> None:
-        self.enabled = enabled
+    def __init__(self) -> None:
         self._run: object = None
         self._due_s = 0.0
 
     def remaining_s(self, state: SessionState, now_s: float) -> float | None:
         """Seconds until the next trial, 0 or less when it is due; None while none is to come."""
-        if not self.enabled or not state.over or state.loading or state.pace.paused or state.status != "running":
+        goes_on = state.view.auto_next and state.status == "running" and not state.pace.paused
+        if not goes_on or not state.over or state.loading:
             self._run = None
             return None
         if self._run is not state.started:

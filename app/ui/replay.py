@@ -11,11 +11,11 @@ from app.history import Moment
 from app.reports import Started
 from app.state import SessionState
 from app.ui.camera import FIELD_OF_VIEW_RAD, beside_m, viewpoint
-from app.ui.looks import Looks
 from app.ui.rooms import light
 from app.ui.start import start_viser
 from app.ui.touch import Untouched
 from app.ui.worlds import Worlds
+from app.view import SharedView
 
 FRAME_S = 1 / 15
 LONGEST_GAP_S = 1.0
@@ -30,15 +30,16 @@ def replay_html(state: SessionState, started: Started, moments: Sequence[Moment]
         position, look_at = viewpoint(started.scene, beside_m(started))
         server.initial_camera.position, server.initial_camera.look_at = position, look_at
         server.initial_camera.fov = FIELD_OF_VIEW_RAD
+        plain = replace(state, view=SharedView())
         worlds = Worlds(server.scene, Untouched())
-        worlds.begin(started)
+        worlds.begin(started, plain.view)
         recording = server.get_scene_serializer()
         shown_s = -FRAME_S
         for moment in moments:
             elapsed_s = moment.t_s - shown_s
             if elapsed_s < 0.99 * FRAME_S:
                 continue
-            worlds.draw(replace(state, looked_at=moment).shown, Looks())
+            worlds.draw(replace(plain, looked_at=moment).shown)
             recording.insert_sleep(min(elapsed_s, LONGEST_GAP_S))
             shown_s = moment.t_s
         return recording.as_html()

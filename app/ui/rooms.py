@@ -8,7 +8,7 @@ import viser
 
 from app.ui import palette
 from app.ui.palette import Rgb
-from app.ui.panels import CONTROL_PANELS, CONTROL_TABS, STATUS_TABS, TIMELINE_PANELS, Panel
+from app.ui.panels import CONTROL_PANELS, CONTROL_TABS, STATUS_TABS, TIMELINE_PANELS, VIEW_PANELS, Panel
 
 AMBIENT = 0.9
 LEFT_PX, RIGHT_PX = 270, 315
@@ -83,6 +83,7 @@ def furnish(gui: viser.GuiApi, make: Maker, add_view_tab: Callable[[], None]) ->
             make_all(kinds)
     with tabs.add_tab("View"):
         add_view_tab()
+        make_all(VIEW_PANELS)
     below = gui.add_panel()
     with below.add_tab("Timeline"):
         make_all(TIMELINE_PANELS)

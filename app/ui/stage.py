@@ -8,8 +8,8 @@ import viser
 
 from app.reports import Sight
 from app.ui.layers import LAYERS, Layer, Picture
-from app.ui.looks import Looks
 from app.ui.touch import Touch
+from app.view import SharedView
 from backend.pipeline.values import CycleResult
 from backend.snapshot import SceneDescription, Snapshot
 
@@ -18,31 +18,31 @@ class Stage:
     """Draws nothing twice."""
 
     def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
-        self.layers: tuple[Layer, ...] = tuple(layer(scene, touch, under) for layer in LAYERS)
+        self._layers: tuple[Layer, ...] = tuple(layer(scene, touch, under) for layer in LAYERS)
         self._world: SceneDescription | None = None
         self._drawn: Snapshot | None = None
         self._cycle: CycleResult | None = None
-        self._looks: Looks | None = None
+        self._view: SharedView | None = None
 
-    def begin(self, world: SceneDescription) -> None:
+    def begin(self, world: SceneDescription, view: SharedView) -> None:
         """A new trial."""
-        for layer in self.layers:
+        self._show(view)
+        for layer in self._layers:
             layer.begin(world)
         self._world, self._drawn, self._cycle = world, None, None
 
-    def draw(self, sight: Sight, looks: Looks) -> None:
+    def draw(self, sight: Sight, view: SharedView) -> None:
         """A tick; nothing before the first trial."""
-        if self._world is None or (sight.snapshot is self._drawn and looks == self._looks):
+        if self._world is None or (sight.snapshot is self._drawn and view == self._view):
             return
-        picture = Picture(self._world, sight.snapshot, sight.traces, True, looks)
-        if picture.cycle is self._cycle and looks == self._looks:
+        self._show(view)
+        picture = Picture(self._world, sight.snapshot, sight.traces, True, view)
+        if picture.cycle is self._cycle and view == self._view:
             picture = replace(picture, new_cycle=False)
-        for layer in self.layers:
+        for layer in self._layers:
             layer.draw(picture)
-        self._drawn, self._cycle, self._looks = sight.snapshot, picture.cycle, looks
+        self._drawn, self._cycle, self._view = sight.snapshot, picture.cycle, view
 
-    def show(self, title: str, visible: bool) -> None:
-        """Show or hide the layer of that title."""
-        for layer in self.layers:
-            if layer.title == title:
-                layer.show(visible)
+    def _show(self, view: SharedView) -> None:
+        for layer in self._layers:
+            layer.show(layer.title not in view.hidden)

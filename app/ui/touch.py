@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Protocol
 
 import viser
@@ -51,14 +50,10 @@ class DeskTouch:
         return self._desk.admits(client)
 
     def grasp(self, index: int, client: viser.ClientHandle) -> None:
-        self._desk.wish("grasp", lambda: self._show_card(index), client)
+        self._desk.wish("grasp", lambda: self._desk.change_view(grasp=index), client)
 
     def obstacle(self, index: int, x_m: float, y_m: float, yaw_rad: float, client: viser.ClientHandle) -> None:
         self._desk.wish("obstacle", lambda: self._move(index, x_m, y_m, yaw_rad), client)
-
-    def _show_card(self, index: int) -> Answer:
-        self._desk.looks = replace(self._desk.looks, grasp=index)
-        return None
 
     def _move(self, index: int, x_m: float, y_m: float, yaw_rad: float) -> Answer:
         event = checked(MoveObstacle, index=index, x_m=x_m, y_m=y_m, yaw_rad=yaw_rad)

@@ -10,10 +10,9 @@ from app.reports import Sight, Started
 from app.state import SessionState
 from app.ui.camera import beside_m
 from app.ui.contenders import Contender, contenders
-from app.ui.layers import Layer
-from app.ui.looks import Looks
 from app.ui.stage import Stage
 from app.ui.touch import Touch
+from app.view import SharedView
 
 HERE, BESIDE = "/here", "/beside"
 CAPTION_M = 0.9
@@ -32,16 +31,10 @@ class Worlds:
         """Where the two worlds stand."""
         self._captions: list[viser.LabelHandle] = []
         self._said: tuple[Contender, ...] = ()
-        self._hidden: set[str] = set()
 
-    @property
-    def layers(self) -> tuple[Layer, ...]:
-        """Of the running trial."""
-        return self._first.layers
-
-    def begin(self, started: Started) -> None:
+    def begin(self, started: Started, view: SharedView) -> None:
         """A new trial."""
-        self._first.begin(started.scene)
+        self._first.begin(started.scene, view)
         shift_m = beside_m(started)
         if shift_m is None:
             self._take_down()
@@ -49,28 +42,21 @@ class Worlds:
         if self._second is None:
             self._second = self._build()
         self._frames[1].position = shift_m
-        self._second.begin(started.scene)
+        self._second.begin(started.scene, view)
 
-    def draw(self, state: SessionState, looks: Looks) -> None:
+    def draw(self, state: SessionState) -> None:
         """A tick of either world."""
         if state.snapshot is None:
             return
-        self._first.draw(Sight(state.snapshot, state.traces), looks)
+        self._first.draw(Sight(state.snapshot, state.traces), state.view)
         if self._second is None or state.beside is None:
             return
-        self._second.draw(state.beside, looks)
+        self._second.draw(state.beside, state.view)
         said = contenders(state)
         if said != self._said:
             self._said = said
             for caption, contender in zip(self._captions, said, strict=True):
                 caption.text = contender.words
-
-    def show(self, title: str, visible: bool) -> None:
-        """Show or hide a layer of both worlds."""
-        (self._hidden.discard if visible else self._hidden.add)(title)
-        for stage in (self._first, self._second):
-            if stage is not None:
-                stage.show(title, visible)
 
     def _build(self) -> Stage:
         self._frames = [self._scene.add_frame(name, show_axes=False) for name in (HERE, BESIDE)]
@@ -81,10 +67,7 @@ class Worlds:
         }
         self._captions = [self._scene.add_label(f"{frame.name}/caption", "", **looks) for frame in self._frames]
         self._said = ()
-        stage = Stage(self._scene, self._touch, BESIDE)
-        for title in self._hidden:
-            stage.show(title, False)
-        return stage
+        return Stage(self._scene, self._touch, BESIDE)
 
     def _take_down(self) -> None:
         for frame in self._frames:

@@ -23,7 +23,6 @@ from app.state import SessionState
 from app.ui.camera import beside_m
 from app.ui.contenders import NOTHING, contenders
 from app.ui.desk import Desk
-from app.ui.looks import Looks
 from app.ui.palette import BAD, css
 from app.ui.panels import View
 from app.ui.panels.method import MethodPanel
@@ -221,8 +220,8 @@ def test_two_worlds_stand_side_by_side_each_under_its_caption(server: viser.Vise
     assert state.started is not None and state.snapshot is not None and state.beside is not None
     shift_m = beside_m(state.started)
     assert shift_m is not None
-    worlds.begin(state.started)
-    worlds.draw(state, Looks())
+    worlds.begin(state.started, state.view)
+    worlds.draw(state)
 
     def node(name: str) -> Any:
         handle = server.scene.get_handle_by_name(name)
@@ -236,15 +235,16 @@ def test_two_worlds_stand_side_by_side_each_under_its_caption(server: viser.Vise
         "ours_rm: closing hand",
         "baseline: belt end",
     ]
-    worlds.show("Object", False)
+    hidden = state.view.with_layer("Object", shown=False)
+    worlds.draw(replace(state, view=hidden))
     assert not node("/object").visible and not node("/beside/object").visible
-    worlds.begin(replace(state.started, restart=LINEAR))
+    worlds.begin(replace(state.started, restart=LINEAR), hidden)
     assert server.scene.get_handle_by_name("/beside") is None
     assert server.scene.get_handle_by_name("/beside/robot") is None
     assert server.scene.get_handle_by_name("/here/caption") is None
-    worlds.begin(state.started)
+    worlds.begin(state.started, hidden)
     assert not node("/beside/object").visible, "what was hidden stays hidden"
-    worlds.begin(replace(state.started, restart=LINEAR))
+    worlds.begin(replace(state.started, restart=LINEAR), hidden)
 
 
 @pytest.mark.parametrize("name", ("ur5_linear", "ur5_sinusoidal", "mico_circular", "mico_linear_obstacles"))
@@ -267,7 +267,7 @@ def test_the_worlds_do_not_reach_into_each_other(name: str) -> None:
 
 def test_the_page_says_how_either_ended(server: viser.ViserServer) -> None:
     session = Session(ENGINE, PAIR)
-    panel = TrialPanel(server.gui, Desk(server, session), AutoNext(False))
+    panel = TrialPanel(server.gui, Desk(server, session))
     view = View(state_at(400), state_at(400), tuple(MOMENTS), Tally(ended=4, grasped=3, grasped_beside=1), None, "")
     panel.show(view)
     banner, facts = (getattr(panel, name).content for name in ("_banner", "_facts"))
@@ -279,7 +279,7 @@ def test_the_page_says_how_either_ended(server: viser.ViserServer) -> None:
 
 
 def test_trials_are_counted_when_both_are_over_and_the_next_waits_for_that() -> None:
-    tally, auto_next = Tally(), AutoNext(enabled=True)
+    tally, auto_next = Tally(), AutoNext()
     states = [state_at(k) for k in (100, 400, 600)]
     for state in (*states, states[-1]):
         tally = tally.after(state)
@@ -288,7 +288,7 @@ def test_trials_are_counted_when_both_are_over_and_the_next_waits_for_that() -> 
 
 
 def test_the_choice_restarts_with_a_second_world_or_without(pair: Session, server: viser.ViserServer) -> None:
-    panel = MethodPanel(server.gui, Desk(server, pair), AutoNext(False))
+    panel = MethodPanel(server.gui, Desk(server, pair))
     assert panel.set_compare("ours_rm") == "Restarted with ours_rm beside it."
     assert pair.state.restart.compare == "ours_rm"
     assert panel.set_compare(NOTHING) == "Restarted without comparison."

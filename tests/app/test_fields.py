@@ -19,7 +19,7 @@ from app.ui.fields import Field, fields_in
 from app.ui.panels.method import MethodPanel
 from app.ui.panels.panel import View
 from app.ui.panels.settings import from_screen, on_screen
-from app.ui.progress import AutoNext, Tally
+from app.ui.progress import Tally
 from app.ui.start import start_viser
 from app.ui.units import SUFFIXES, split_unit
 from backend.config import Config
@@ -171,7 +171,7 @@ def view(info: TrialInfo, session: Session) -> View:
 def test_the_method_panel_follows_the_kind_that_is_set(server: viser.ViserServer) -> None:
     engine = FakeEngine()
     session = Session(engine, Restart(scenario="ur5_linear", overrides={}))
-    panel = MethodPanel(server.gui, Desk(server, session), AutoNext(False))
+    panel = MethodPanel(server.gui, Desk(server, session))
 
     def labels(**overrides: Any) -> list[str]:
         paths = {name.replace("__", "."): value for name, value in overrides.items()}

@@ -18,11 +18,12 @@ from app.ui.funnel import card_rows, funnel, ranges, rejections, side_of
 from app.ui.layers.all_grasps import BACK_M, SCALE, AllGraspsLayer
 from app.ui.layers.draggable import on_floor
 from app.ui.layers.layer import Picture
-from app.ui.looks import SCORES, Looks
 from app.ui.palette import rank_color
 from app.ui.panels.ranking import card_html, funnel_html
+from app.ui.scores import SCORES
 from app.ui.start import start_viser
 from app.ui.touch import Untouched
+from app.view import SharedView
 from backend.pipeline.values import Candidate, CycleResult, Shortlist
 from backend.pose import Pose
 from tests.app.fake_episode import FakeEngine
@@ -126,7 +127,7 @@ def test_small_hands_stand_around_the_object_and_the_chosen_one_at_its_grasp(ser
     assert hands.batched_scales[list(SHORT.kept)].max() == 0.0
     np.testing.assert_allclose(hands.batched_scales[list(SHORT.rejected)], SCALE, rtol=1e-6)
     chosen = max(SHORT.rejected)
-    layer.draw(Picture(episode.scene, snapshot, None, new_cycle=True, looks=Looks(grasp=chosen)))
+    layer.draw(Picture(episode.scene, snapshot, None, new_cycle=True, view=SharedView(grasp=chosen)))
     assert hands.batched_scales[chosen] == 1.0
     np.testing.assert_allclose(hands.batched_positions[chosen], Ts[chosen, :3, 3], atol=1e-6)
 

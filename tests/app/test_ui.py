@@ -30,6 +30,7 @@ from app.ui.progress import WAIT_S, AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
 from app.ui.start import start_viser
 from app.ui.touch import Untouched
+from app.view import SharedView
 from backend.pipeline.values import Outcome
 from backend.robots import ROBOTS
 from backend.snapshot import SceneDescription, Snapshot
@@ -270,14 +271,14 @@ def test_another_problem_starts_a_new_count() -> None:
 
 
 def test_the_next_trial_waits_for_the_outcome_to_be_read() -> None:
-    auto_next, over = AutoNext(enabled=True), state_with(GRASPED)
+    auto_next, over = AutoNext(), state_with(GRASPED)
     assert auto_next.remaining_s(state_with(None), 10.0) is None
     assert auto_next.remaining_s(over, 20.0) == WAIT_S
     assert auto_next.remaining_s(over, 20.0 + WAIT_S) == 0.0
     paused = replace(over, pace=Pace(paused=True, speed=1.0, real_time_factor=0.0))
     assert auto_next.remaining_s(paused, 30.0) is None
-    auto_next.enabled = False
-    assert auto_next.remaining_s(over, 40.0) is None
+    off = replace(over, view=SharedView(auto_next=False))
+    assert auto_next.remaining_s(off, 40.0) is None
 
 
 class Tags(HTMLParser):
@@ -324,7 +325,7 @@ def test_objects_that_come_and_go_are_on_offer_and_so_is_the_one_tried(server: v
 
     engine = Growing()
     session = Session(engine, Restart(scenario="ur5_linear", overrides={"object": "cube"}))
-    panel = ScenarioPanel(server.gui, Desk(server, session), AutoNext(False))
+    panel = ScenarioPanel(server.gui, Desk(server, session))
     shown: Any = panel._object  # pyright: ignore[reportPrivateUsage]
     for names in (("cube", "tomato_soup_can", "mug"), ("tomato_soup_can",)):
         engine.names = names

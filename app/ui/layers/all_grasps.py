@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from app.ui import palette
 from app.ui.geometry import gripper_glyph
 from app.ui.layers.layer import Picture, Root, place
-from app.ui.looks import SCORES
 from app.ui.palette import Rgb
+from app.ui.scores import SCORES
 from app.ui.touch import Touch
 from backend.pipeline.values import Shortlist
 from backend.pose import wxyz_from_rotation
@@ -54,13 +54,13 @@ class AllGraspsLayer:
         if cycle is None or short is None:
             return
         place(self._frame, short.candidates.T_world_object)
-        Ts, chosen = short.candidates.Ts_object_grasp, picture.looks.grasp
+        Ts, chosen = short.candidates.Ts_object_grasp, picture.view.grasp
         scales = np.full(len(Ts), SCALE, dtype=np.float32)
         scales[list(short.kept)] = 0.0  # the shortlist is shown full-size by its own layer
         positions = (Ts[:, :3, 3] - BACK_M * Ts[:, :3, 2]).astype(np.float32)
         if chosen is not None and chosen < len(Ts):
             scales[chosen], positions[chosen] = 1.0, Ts[chosen, :3, 3]
-        colors = np.array(SCORES[picture.looks.score](short), dtype=np.uint8)
+        colors = np.array(SCORES[picture.view.grasps_by](short), dtype=np.uint8)
         self._paint(short, {"batched_scales": scales, "batched_positions": positions, "batched_colors": colors})
 
     def show(self, visible: bool) -> None:

@@ -8,8 +8,8 @@ import viser
 from app.ui import palette
 from app.ui.geometry import Geometry, gripper_glyph
 from app.ui.layers.layer import Picture, Root, place
-from app.ui.looks import SCORES
 from app.ui.palette import Rgb
+from app.ui.scores import SCORES
 from app.ui.touch import Touch
 from backend.pipeline.values import Candidate, Shortlist
 from backend.pose import Array, wxyz_from_rotation
@@ -60,7 +60,7 @@ class GraspsLayer:
         self._frame.visible = cycle.shortlist is not None
         if cycle.shortlist is not None:
             place(self._frame, cycle.shortlist.candidates.T_world_object)
-            self._show_shortlist(cycle.shortlist, cycle.picked, SCORES[picture.looks.score](cycle.shortlist))
+            self._show_shortlist(cycle.shortlist, cycle.picked, SCORES[picture.view.grasps_by](cycle.shortlist))
         self._picked.visible = cycle.picked is not None
         if cycle.picked is not None:
             place(self._picked, cycle.picked.T_object_grasp)

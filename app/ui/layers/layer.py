@@ -8,9 +8,9 @@ from typing import Any, Protocol
 import viser
 
 from app.reports import Traces
-from app.ui.looks import Looks
 from app.ui.palette import Rgb
 from app.ui.touch import Touch
+from app.view import SharedView
 from backend.pipeline.values import CycleResult, Phase
 from backend.pose import Array, Pose
 from backend.snapshot import SceneDescription, Snapshot
@@ -27,7 +27,7 @@ class Picture:
     traces: Traces | None
     new_cycle: bool
     """The cycle or its traces have not been drawn before, or are to look otherwise."""
-    looks: Looks = field(default_factory=Looks)
+    view: SharedView = field(default_factory=SharedView)
 
     @property
     def cycle(self) -> CycleResult | None:
@@ -39,7 +39,7 @@ class Layer(Protocol):
     """Builds its nodes once per trial, then only moves and recolours them."""
 
     title: str
-    """Label of its check box, at most 14 characters."""
+    """One of ``LayerName``; label of its check box, at most 14 characters."""
     swatches: tuple[tuple[Rgb, str], ...]
     """Its rows of the legend."""
 

@@ -2,6 +2,7 @@
 
 from app.ui.panels.belt import BeltPanel
 from app.ui.panels.crash import CrashPanel
+from app.ui.panels.legend import LegendPanel
 from app.ui.panels.method import MethodPanel
 from app.ui.panels.panel import Panel, View
 from app.ui.panels.playback import PlaybackPanel
@@ -23,6 +24,8 @@ CONTROL_TABS: tuple[tuple[str, Panels], ...] = (
     ("Share", (SharePanel,)),
 )
 """Below them, tab by tab: what can be set."""
+VIEW_PANELS: Panels = (LegendPanel,)
+"""In a last tab beside those, below what is each browser's own."""
 STATUS_TABS: tuple[tuple[str, Panels], ...] = (
     ("Trial", (TrialPanel,)),
     ("Grasps", (RankingPanel,)),
@@ -34,7 +37,8 @@ TIMELINE_PANELS: Panels = (TimelinePanel,)
 PANELS: Panels = (
     *(panel for _, panels in (*STATUS_TABS, *CONTROL_TABS) for panel in panels),
     *CONTROL_PANELS,
+    *VIEW_PANELS,
     *TIMELINE_PANELS,
 )
 
-__all__ = ["CONTROL_PANELS", "CONTROL_TABS", "PANELS", "STATUS_TABS", "TIMELINE_PANELS", "Panel", "View"]
+__all__ = ["CONTROL_PANELS", "CONTROL_TABS", "PANELS", "STATUS_TABS", "TIMELINE_PANELS", "VIEW_PANELS", "Panel", "View"]

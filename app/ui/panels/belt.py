@@ -8,7 +8,6 @@ from app.commands import ApplyEvent
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
 from backend.errors import InvalidInputError
 from backend.events import SetBeltRate
 
@@ -21,7 +20,7 @@ SETTLE_S = 0.2
 class BeltPanel:
     """What acts at once."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
         with gui.add_folder("Belt (acts at once)"):
             self._speed = gui.add_slider(

@@ -9,7 +9,6 @@ import viser
 from app.reports import Crashed
 from app.ui.desk import Answer, Desk
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
 from app.ui.words import crash_text
 
 LABEL = "Restart simulation"
@@ -18,7 +17,7 @@ LABEL = "Restart simulation"
 class CrashPanel:
     """A modal while the process is down; the button stays in the panel when somebody closes the modal."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._gui = gui
         self._desk = desk
         self._close_modal: Callable[[], None] | None = None

@@ -12,7 +12,6 @@ from app.ui.fields import Field, FieldsOf
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
 from app.ui.panels.settings import SettingsGroup
-from app.ui.progress import AutoNext
 from app.ui.words import tip
 
 FLAT = ("choice", "switch")
@@ -23,7 +22,7 @@ ROOMS = ("predictor", "horizon", "filter", "planner", "retimer", "execution")
 class MethodPanel:
     """Everything here restarts the trial."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
         state = desk.session.state
         gui.add_html(tip("Every change restarts the trial with the same seed."))

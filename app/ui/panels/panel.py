@@ -10,7 +10,7 @@ import viser
 from app.history import Moment
 from app.state import SessionState
 from app.ui.desk import Desk
-from app.ui.progress import AutoNext, Tally
+from app.ui.progress import Tally
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class View:
 class Panel(Protocol):
     """Builds its widgets once. ``show`` is the only place where it sets them; callbacks only leave wishes."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None: ...
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None: ...
 
     def show(self, view: View) -> None:
         """A few times a second."""

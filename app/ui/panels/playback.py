@@ -10,7 +10,6 @@ from app.commands import SPEEDS, LookBack, SetPaused, SetSpeed, StepOnce
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
 from app.ui.words import note
 from backend.errors import lookup
 
@@ -31,9 +30,8 @@ LABELS: dict[str, float | None] = {speed_label(speed): speed for speed in (*SPEE
 class PlaybackPanel:
     """How time passes."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
-        self._auto_next = auto_next
         self._actions: dict[str, Callable[[], Answer]] = {
             "Play": self.toggle,
             "Pause": self.toggle,
@@ -48,19 +46,19 @@ class PlaybackPanel:
                 "Speed", tuple(LABELS), initial_value=speed_label(1.0), hint="Simulated seconds per second"
             )
             self._auto = gui.add_checkbox(
-                "Auto next", auto_next.enabled, hint="Go on with the next seed 4 s after an outcome"
+                "Auto next", desk.session.state.view.auto_next, hint="Go on with the next seed 4 s after an outcome"
             )
             self._status = gui.add_html("")
         self._time.on_click(self._on_button)
         self._trial.on_click(self._on_button)
         self._speed.on_update(self._on_speed)
-        self._auto.on_update(choosing(desk, "auto", self.set_auto))
+        self._auto.on_update(choosing(desk, "auto", lambda on: desk.change_view(auto_next=on)))
         self._add_keys(gui)
 
     def show(self, view: View) -> None:
         self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
         self._status.content = note(view.status_line) if view.status_line else ""
-        self._desk.mirror("auto", self._auto, self._auto_next.enabled)
+        self._desk.mirror("auto", self._auto, view.state.view.auto_next)
         label = speed_label(view.state.pace.speed)
         if label in LABELS:
             self._desk.mirror("speed", self._speed, label)
@@ -101,11 +99,6 @@ class PlaybackPanel:
     def set_speed(self, label: str) -> Answer:
         """Raises ``NotFoundError`` for a label that is not offered."""
         self._desk.send(checked(SetSpeed, speed=lookup("speed", label, LABELS)))
-        return None
-
-    def set_auto(self, enabled: object) -> Answer:
-        """Go on by itself after an outcome, or not."""
-        self._auto_next.enabled = bool(enabled)
         return None
 
     async def _on_button(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:

@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import viser
 
 from app.ui import palette, words
 from app.ui.desk import Answer, Desk
 from app.ui.funnel import card_rows, columns, funnel, ranges, rejections
-from app.ui.looks import SCORES
 from app.ui.palette import rank_color
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
-from backend.errors import InvalidInputError, lookup
+from app.ui.scores import SCORES
 from backend.pipeline.values import CycleResult, Shortlist
 
 EMPTY = "No grasps are ranked yet: press Play. The first cycle comes once the object has been seen."
@@ -25,47 +21,39 @@ NOBODY = -1
 class RankingPanel:
     """The marks have the colours of the hands in the scene."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
-        self._shown: tuple[object, ...] = (None, desk.looks)
+        shared = desk.session.state.view
+        self._shown: tuple[object, ...] = (None, shared)
         self._funnel = gui.add_html(words.tip(EMPTY))
         with gui.add_folder("Small hands"):
             self._score = gui.add_dropdown(
-                "Colour by", tuple(SCORES), initial_value=desk.looks.score, hint="What the small hands are coloured by"
+                "Colour by", tuple(SCORES), initial_value=shared.grasps_by, hint="What the small hands are coloured by"
             )
             self._number = gui.add_number(
                 "Grasp no.", NOBODY, step=1, hint="Show the card of this grasp, as a click on it does; -1 for none"
             )
             self._card = gui.add_html("")
         self._table = gui.add_html("")
-        self._score.on_update(choosing(desk, "score", self.set_score))
+        self._score.on_update(choosing(desk, "score", lambda name: desk.change_view(grasps_by=name)))
         self._number.on_update(choosing(desk, "number", self.set_grasp))
 
     def show(self, view: View) -> None:
-        snapshot, looks = view.state.snapshot, self._desk.looks
-        self._desk.mirror("score", self._score, looks.score)
-        self._desk.mirror("number", self._number, NOBODY if looks.grasp is None else looks.grasp)
+        snapshot, shared = view.state.snapshot, view.state.view
+        self._desk.mirror("score", self._score, shared.grasps_by)
+        self._desk.mirror("number", self._number, NOBODY if shared.grasp is None else shared.grasp)
         cycle = snapshot.cycle if snapshot else None
-        if (cycle, looks) == self._shown:
+        if (cycle, shared) == self._shown:
             return
-        self._shown = cycle, looks
+        self._shown = cycle, shared
         short = cycle.shortlist if cycle else None
         self._funnel.content = words.tip(EMPTY) if cycle is None or short is None else funnel_html(cycle, short)
-        self._table.content = "" if cycle is None or short is None else ranking_html(cycle, short, looks.grasp)
-        self._card.content = "" if cycle is None or short is None else card_html(cycle, short, looks.grasp)
+        self._table.content = "" if cycle is None or short is None else ranking_html(cycle, short, shared.grasp)
+        self._card.content = "" if cycle is None or short is None else card_html(cycle, short, shared.grasp)
 
-    def set_score(self, name: str) -> Answer:
-        """Raises ``NotFoundError`` for a score that is not offered."""
-        lookup("score", name, SCORES)
-        self._desk.looks = replace(self._desk.looks, score=name)
-        return None
-
-    def set_grasp(self, index: int) -> Answer:
-        """Raises ``InvalidInputError`` for a number that no database has."""
-        if not -1 <= index < 100:
-            raise InvalidInputError(f"Grasp no.: from 0 to 99, or -1 for none (got {index})")
-        self._desk.looks = replace(self._desk.looks, grasp=None if index == NOBODY else index)
-        return None
+    def set_grasp(self, index: object) -> Answer:
+        """Show the card of that grasp, or none; raises ``InvalidInputError`` for a number that no database has."""
+        return self._desk.change_view(grasp=None if index == NOBODY else index)
 
 
 def funnel_html(cycle: CycleResult, short: Shortlist) -> str:

@@ -9,13 +9,12 @@ import viser
 from app.ui.desk import Answer, Desk
 from app.ui.panels.choice import SETTLE_S, choosing
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
 
 
 class ScenarioPanel:
     """What is tried."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
         engine, state = desk.session.engine, desk.session.state
         with gui.add_folder("Problem (restarts)"):

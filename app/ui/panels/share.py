@@ -11,7 +11,6 @@ from app.permalink import address_of
 from app.state import SessionState
 from app.ui.desk import Answer, Desk
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
 from app.ui.words import link_button, page_link, tip
 from backend.errors import InvalidInputError
 
@@ -21,7 +20,7 @@ FILES = "/api/v1/session"
 class SharePanel:
     """Links are plain addresses: what they lead to is checked like every command."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
         with gui.add_folder("This trial"):
             self._link = gui.add_html("")

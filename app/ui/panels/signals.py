@@ -9,7 +9,6 @@ import viser
 from app.ui.desk import Desk
 from app.ui.panels.panel import View
 from app.ui.plot import plot_html
-from app.ui.progress import AutoNext
 from app.ui.signals import plots
 from app.ui.strip import span_s
 from app.ui.words import tip
@@ -23,7 +22,7 @@ ABOUT = "Over the last minute; a click looks back at that moment. Figures are of
 class SignalsPanel:
     """Display only; drawn anew once a second at most, and not at all while nothing changes."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         gui.add_html(tip(ABOUT))
         self._plots = gui.add_html("")
         self._shown: tuple[object, ...] = ()

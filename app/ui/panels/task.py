@@ -8,13 +8,12 @@ from app.ui.desk import Desk
 from app.ui.fields import FieldsOf
 from app.ui.panels.panel import View
 from app.ui.panels.settings import SettingsGroup
-from app.ui.progress import AutoNext
 
 
 class TaskPanel:
     """Everything here restarts the trial."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._of_task, self._of_sensing = FieldsOf("task"), FieldsOf("sensing")
         self._task = SettingsGroup(gui, desk, "Task (restarts)", expanded=False)
         self._sensing = SettingsGroup(gui, desk, "Sensing (restarts)", expanded=False)

@@ -11,7 +11,6 @@ from app.ui.contenders import contenders
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext
 from app.ui.strip import span_s, strip_svg
 from backend.errors import lookup
 
@@ -24,7 +23,7 @@ GO_ON, NEWEST = "Go on from here", "Back to newest"
 class TimelinePanel:
     """The strip, and the slider below it that walks along it."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._desk = desk
         self._strip = gui.add_html(strip_svg((), None))
         self._slider = gui.add_slider(

@@ -11,7 +11,7 @@ from app.ui import palette, words
 from app.ui.contenders import Contender, contenders
 from app.ui.desk import Desk
 from app.ui.panels.panel import View
-from app.ui.progress import AutoNext, Tally
+from app.ui.progress import Tally
 from app.ui.replanning import change_words
 from backend.pipeline.values import CycleResult, Room
 from backend.snapshot import Snapshot
@@ -22,7 +22,7 @@ ROOMS: tuple[Room, ...] = ("predict", "convert", "filter", "pick", "plan", "reti
 class TrialPanel:
     """Display only: nothing here can be set from a browser."""
 
-    def __init__(self, gui: viser.GuiApi, desk: Desk, auto_next: AutoNext) -> None:
+    def __init__(self, gui: viser.GuiApi, desk: Desk) -> None:
         self._banner = gui.add_html("")
         self._facts = gui.add_html("")
         self._cycle = gui.add_html("")

@@ -1,29 +1,19 @@
-"""Looks: how the page shows grasps, the same for everybody who watches."""
+"""SCORES: what the small hands can be coloured by."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
 from app.ui import palette
 from app.ui.palette import Rgb, blend, rank_color
+from app.view import Score
 from backend.pipeline.values import Shortlist
 from backend.pose import Array
 
 FAR_M = 0.3
 """Reachability that counts as fully inside."""
-
-
-@dataclass(frozen=True)
-class Looks:
-    """What is chosen."""
-
-    score: str = "Rank"
-    """One of ``SCORES``: what the small hands are coloured by."""
-    grasp: int | None = None
-    """Index of the grasp whose card is shown."""
 
 
 def _by_rank(short: Shortlist) -> list[Rgb]:
@@ -56,7 +46,7 @@ def _graded(short: Shortlist, values: Array | None, best: float) -> list[Rgb]:
     ]
 
 
-SCORES: dict[str, Callable[[Shortlist], list[Rgb]]] = {
+SCORES: dict[Score, Callable[[Shortlist], list[Rgb]]] = {
     "Rank": _by_rank,
     "Reachability": _by_reachability,
     "Quality in motion": _by_motion,
