@@ -48,7 +48,8 @@ def locked() -> Iterator[Served]:
 
 
 def works(served: Served) -> None:
-    """It still does what it is there for."""
+    """It still does what it is there for, whatever it was told before."""
+    served.command(kind="set_paused", paused=True)
     served.command(kind="restart", scenario="ur5_linear", seed=1)
     wait_for(served, seed=1, loading=False, simulation="running")
     tick = int(str(wait_for(served, tick=0)["tick"]))
