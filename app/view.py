@@ -29,9 +29,9 @@ def _without_defaults(schema: dict[str, Any]) -> None:
 
 
 class SharedView(Config):
-    """Camera, light or dark, and help are each browser's own instead.
+    """What every page shows alike; camera, light or dark, and help are each browser's own.
 
-    One value is both a view and a change of it, of which only what was given counts.
+    As a change of the view, only what is given counts.
     """
 
     model_config = ConfigDict(json_schema_extra=_without_defaults)
