@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from functools import cache
 
 import numpy as np
 
 from app.commands import Restart
 from app.engine import Running, TrialInfo, info_of
 from app.wanted import read_scenario, scenario_of
+from backend.knowledge.reach_profile import ReachProfile, profile_of
 from backend.methods import METHODS
 from backend.objects import object_names
 from backend.pose import Array
@@ -41,10 +43,20 @@ class BackendEngine:
 
         return LiveEpisode(scenario_of(restart), restart.seed)
 
+    def reach(self, robot: str) -> ReachProfile:
+        return _reach(robot)
+
     def tcp_trace(self, robot: str, waypoints: Array) -> Array:
         from backend.kinematics import load_kinematics
 
         return load_kinematics(robot).fk_many(_densified(waypoints))[:, :3, 3]
+
+
+@cache
+def _reach(robot: str) -> ReachProfile:
+    from backend.knowledge.reachability import load_reachability
+
+    return profile_of(load_reachability(robot))
 
 
 def _densified(waypoints: Array) -> Array:

@@ -8,6 +8,7 @@ from typing import Protocol
 
 from app.commands import Restart
 from backend.events import WorldEvent
+from backend.knowledge.reach_profile import ReachProfile
 from backend.pose import Array
 from backend.scenario import Scenario
 from backend.snapshot import SceneDescription, Snapshot
@@ -92,6 +93,10 @@ class Engine(Protocol):
         ...
 
     def make_episode(self, restart: Restart) -> Running: ...
+
+    def reach(self, robot: str) -> ReachProfile:
+        """How far that robot reaches, for drawing."""
+        ...
 
     def tcp_trace(self, robot: str, waypoints: Array) -> Array:
         """(m, 3) way of the tcp in the world along joint ``waypoints`` (n, dof)."""

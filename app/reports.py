@@ -9,6 +9,7 @@ import numpy as np
 from app.commands import Restart
 from app.engine import Keepsake
 from backend.events import TimedEvent
+from backend.knowledge.reach_profile import ReachProfile
 from backend.pipeline.values import CycleResult
 from backend.pose import Array
 from backend.snapshot import SceneDescription, Snapshot
@@ -24,6 +25,8 @@ class Started:
     """Counts the episodes of this process, from 1."""
     restart: Restart
     scene: SceneDescription
+    reach: ReachProfile | None = None
+    """Of the robot, where it is known."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,10 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import AfterValidator, ConfigDict, Field
 
 from backend.config import Config
+from backend.knowledge.reach_profile import HIGHEST_M, GraspKind
 
 LayerName = Literal[
-    "Conveyor", "Robot", "Object", "Obstacles", "Prediction", "All grasps", "Grasps", "Plans", "Hand trail"
+    "Conveyor", "Robot", "Object", "Obstacles", "Prediction", "All grasps", "Grasps", "Plans", "Hand trail", "Reach"
 ]
 """Titles of the page's ``LAYERS``, in their order."""
 Score = Literal["Rank", "Reachability", "Quality in motion", "Lift success"]
@@ -42,8 +43,12 @@ class SharedView(Config):
     """What the small hands are coloured by."""
     grasp: Annotated[int, Field(ge=0, le=999)] | None = None
     """Number of the grasp whose card is shown; null for none."""
-    hidden: Annotated[tuple[LayerName, ...], Field(strict=False), AfterValidator(in_order)] = ()
+    hidden: Annotated[tuple[LayerName, ...], Field(strict=False), AfterValidator(in_order)] = ("Reach",)
     """Layers of the scene that are not shown."""
+    reach_of: GraspKind = "From above"
+    """Grasps that the slice through the arm's reach is for."""
+    reach_height_m: Annotated[float, Field(ge=0.0, le=HIGHEST_M)] = 0.1
+    """Of the slice, above the floor."""
 
     def changed(self, change: SharedView) -> SharedView:
         """This view with what was given to ``change`` in place of its own."""

@@ -151,7 +151,8 @@ class Worker:
             return
         self._run += 1
         self._made, self._given, self._from_tick = (), restart.events, restart.from_tick
-        self._report(Started(self._run, restart, self._lanes[0].episode.scene))
+        scene = self._lanes[0].episode.scene
+        self._report(Started(self._run, restart, scene, self._engine.reach(scene.robot)))
         self._pacer.reset()
         if not self._catching_up:
             self._report_progress()

@@ -54,4 +54,5 @@ VIEWS: dict[str, Example] = {
     "colours": _example("Colour the small hands by reachability", grasps_by="Reachability"),
     "card": _example("Show the card of a grasp; null shows none", grasp=12),
     "layers": _example("Show every layer of the scene but two; [] shows all", hidden=["All grasps", "Hand trail"]),
+    "reach": _example("Slice through the reach at 30 cm", hidden=[], reach_of="From the side", reach_height_m=0.3),
 }

@@ -34,7 +34,7 @@ class Worlds:
 
     def begin(self, started: Started, view: SharedView) -> None:
         """A new trial."""
-        self._first.begin(started.scene, view)
+        self._first.begin(started.scene, view, started.reach)
         shift_m = beside_m(started)
         if shift_m is None:
             self._take_down()

@@ -13,6 +13,7 @@ from app.engine import Keepsake, Running, TrialInfo, info_of
 from app.wanted import read_scenario, scenario_of
 from backend.errors import InvalidInputError, lookup
 from backend.events import SetBeltRate, WorldEvent
+from backend.knowledge.reach_profile import ReachProfile
 from backend.pipeline.values import (
     Candidate,
     Candidates,
@@ -67,6 +68,11 @@ class FakeEngine:
 
     def make_episode(self, restart: Restart) -> Running:
         return FakeEpisode(self.describe(restart), restart.seed)
+
+    def reach(self, robot: str) -> ReachProfile:
+        radius_m, height_m = np.linspace(0.0, 1.2, 31), np.linspace(0.0, 0.88, 23)
+        ball = 0.8 - np.hypot(radius_m[None], height_m[:, None])
+        return ReachProfile(radius_m, height_m, np.stack([ball, ball - 0.2]))
 
     def tcp_trace(self, robot: str, waypoints: Array) -> Array:
         return np.array([tcp_of(q).xyz_m for q in np.linspace(waypoints[0], waypoints[-1], 20)])

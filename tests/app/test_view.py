@@ -19,6 +19,7 @@ from app.ui.layers import LAYERS
 from app.ui.scores import SCORES
 from app.view import LayerName, SharedView
 from backend.errors import InvalidInputError
+from backend.knowledge.reach_profile import GRASP_KINDS, HIGHEST_M
 from tests.app.fake_episode import LINEAR, FakeEngine
 from tests.app.served import Served, begin_anew, play_to, serve, wait_for
 from tests.app.viewer_client import ViewerClient, view
@@ -26,7 +27,14 @@ from tests.app.viewer_client import ViewerClient, view
 pytestmark = [pytest.mark.timeout(60), pytest.mark.xdist_group("served")]
 TITLES = [layer.title for layer in LAYERS]
 LAST_SEED = 2**31 - 1
-PLAIN = {"auto_next": False, "grasps_by": "Rank", "grasp": None, "hidden": []}
+PLAIN: dict[str, object] = {
+    "auto_next": False,
+    "grasps_by": "Rank",
+    "grasp": None,
+    "hidden": [],
+    "reach_of": "From above",
+    "reach_height_m": 0.1,
+}
 """What the server below shows at first."""
 
 
@@ -44,6 +52,8 @@ CHANGES = st.fixed_dictionaries(
         "grasps_by": st.sampled_from(list(SCORES)),
         "grasp": st.none() | st.integers(0, 999),
         "hidden": st.lists(NAMES),
+        "reach_of": st.sampled_from(GRASP_KINDS),
+        "reach_height_m": st.floats(0.0, HIGHEST_M),
     },
 )
 
@@ -57,7 +67,7 @@ def test_only_what_is_given_changes(first: dict[str, object], second: dict[str, 
 
 @given(st.lists(st.tuples(NAMES, st.booleans())))
 def test_a_layer_is_hidden_when_it_was_last_told_to_be(told: list[tuple[LayerName, bool]]) -> None:
-    view = SharedView()
+    view = SharedView(hidden=())
     for name, shown in told:
         view = view.with_layer(name, shown)
     last: dict[str, bool] = dict(told)
@@ -223,6 +233,9 @@ def test_what_is_clicked_on_a_page_is_in_the_answer(script: httpx.Client, served
         page.set(page.widget("GuiDropdownMessage", "Colour by"), "Reachability")
         page.set(number, 4)
         wait_until(script, "view", auto_next=True, grasps_by="Reachability", grasp=4, hidden=["Conveyor", "Hand trail"])
+        page.set(page.widget("GuiDropdownMessage", "Reach of"), "From the side")
+        page.set(page.widget("GuiSliderMessage", "Height cm"), 25)
+        wait_until(script, "view", reach_of="From the side", reach_height_m=0.25)
         page.set(number, -3)
         page.notice_saying("grasp: input should be greater than or equal to 0 (got -3)")
         heard(page, number, 4)

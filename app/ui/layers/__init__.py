@@ -6,6 +6,7 @@ from app.ui.layers.conveyor import ConveyorLayer
 from app.ui.layers.grasps import GraspsLayer
 from app.ui.layers.layer import Layer, Picture
 from app.ui.layers.paths import PlansLayer, PredictionLayer, TrailLayer
+from app.ui.layers.reach import ReachLayer
 from app.ui.layers.robot import RobotLayer
 
 LAYERS: tuple[type[Layer], ...] = (
@@ -18,6 +19,7 @@ LAYERS: tuple[type[Layer], ...] = (
     GraspsLayer,
     PlansLayer,
     TrailLayer,
+    ReachLayer,
 )
 
 __all__ = ["LAYERS", "Layer", "Picture"]

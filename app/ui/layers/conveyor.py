@@ -36,7 +36,7 @@ class ConveyorLayer:
         path, (length_m, width_m, height_m) = scene.belt_path_world, scene.tray_size_m
         band = ribbon(path, width_m, height_m - BELOW_TRAY_M)
         self._scene.add_mesh_simple(
-            f"{self._root.name}/belt", band.vertices, band.faces, color=palette.BELT, side="double", opacity=0.9
+            f"{self._root.name}/belt", band.vertices, band.faces, color=palette.BELT, side="double"
         )
         lift_m = BELOW_TRAY_M * 2 - height_m
         arrow = {"spacing_m": ARROW_SPACING_M, "size_m": width_m / 5, "lift_m": lift_m}

@@ -11,6 +11,7 @@ from app.reports import Traces
 from app.ui.palette import Rgb
 from app.ui.touch import Touch
 from app.view import SharedView
+from backend.knowledge.reach_profile import ReachProfile
 from backend.pipeline.values import CycleResult, Phase
 from backend.pose import Array, Pose
 from backend.snapshot import SceneDescription, Snapshot
@@ -27,6 +28,7 @@ class Picture:
     traces: Traces | None
     new_cycle: bool
     """The cycle or its traces have not been drawn before, or are to look otherwise."""
+    reach: ReachProfile | None = None
     view: SharedView = field(default_factory=SharedView)
 
     @property

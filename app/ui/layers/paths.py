@@ -15,12 +15,15 @@ from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
 from app.ui.touch import Touch
 from backend.objects import load_object
+from backend.pipeline.values import Prediction
 from backend.pose import Array
 from backend.snapshot import SceneDescription
 
 NOWHERE = np.zeros((1, 2, 3))
 SEED_BELOW_M = np.array([0.0, 0.0, 0.004])
 """The seed is drawn a little lower, so that a plan that follows it is seen on top of it."""
+THINNEST_M = 1e-3
+"""Bounds nearer to the way than this are not drawn."""
 TRAIL_S = 8.0
 TRAIL_STEP_S = 0.1
 TRAIL_REDRAW_S = 0.2
@@ -44,16 +47,20 @@ class Polyline:
 
 
 class PredictionLayer:
-    """A ghost of the object where it is predicted to be grasped, and the way it is predicted to take."""
+    """A ghost of the object where it is predicted to be grasped, the way it is predicted to take, and how surely."""
 
     title = "Prediction"
-    swatches: tuple[tuple[Rgb, str], ...] = ((palette.PREDICTION, "Predicted object"),)
+    swatches: tuple[tuple[Rgb, str], ...] = (
+        (palette.PREDICTION, "Predicted object"),
+        (palette.PREDICTION_BOUNDS, "Within 2 sigma"),
+    )
 
     def __init__(self, scene: viser.SceneApi, touch: Touch, under: str = "") -> None:
         self._scene = scene
         self._root = Root(scene, under + "/prediction")
         self._ghost: viser.MeshHandle | None = None
         self._way: Polyline | None = None
+        self._bounds: Polyline | None = None
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
@@ -61,19 +68,36 @@ class PredictionLayer:
         self._ghost = add_object(self._scene, f"{self._root.name}/ghost", shape, palette.PREDICTION, opacity=0.3)
         self._ghost.visible = False
         self._way = Polyline(self._scene, f"{self._root.name}/way", palette.PREDICTION, 4.0)
+        self._bounds = Polyline(self._scene, f"{self._root.name}/bounds", palette.PREDICTION_BOUNDS, 2.0)
 
     def draw(self, picture: Picture) -> None:
         cycle = picture.cycle
-        if not picture.new_cycle or self._ghost is None or self._way is None:
+        if not picture.new_cycle or self._ghost is None or self._way is None or self._bounds is None:
             return
         prediction, shortlist = (cycle.prediction, cycle.shortlist) if cycle else (None, None)
         self._way.draw(None if prediction is None else prediction.Ts_world_object[:, :3, 3])
+        self._bounds.draw(None if prediction is None else two_sigma_m(prediction))
         self._ghost.visible = shortlist is not None
         if shortlist is not None:
             place(self._ghost, shortlist.candidates.T_world_object)
 
     def show(self, visible: bool) -> None:
         self._root.show(visible)
+
+
+def two_sigma_m(prediction: Prediction) -> Array | None:
+    """(m, 3) closed line around the predicted way, two standard deviations off; None where it would be on the way."""
+    reach_m = 2.0 * prediction.position_std_m
+    if reach_m.max() < THINNEST_M:
+        return None
+    way_m = prediction.Ts_world_object[:, :3, 3]
+    along = np.gradient(way_m[:, :2], axis=0)
+    lengths = np.linalg.norm(along, axis=1, keepdims=True)
+    along = np.where(lengths > 1e-9, along / np.maximum(lengths, 1e-9), [1.0, 0.0])
+    aside = reach_m[:, None] * np.column_stack([-along[:, 1], along[:, 0], np.zeros(len(along))])
+    beyond = reach_m[-1] * np.array([[*along[-1], 0.0]])
+    left_m, right_m = way_m + aside, way_m - aside
+    return np.concatenate([left_m, left_m[-1:] + beyond, right_m[-1:] + beyond, right_m[::-1], left_m[:1]])
 
 
 class PlansLayer:
