@@ -25,6 +25,11 @@ class Geometry:
     """(m, 3)."""
 
 
+def moved(geometry: Geometry, T: Array) -> Geometry:
+    """The same mesh at a pose (4, 4)."""
+    return Geometry(geometry.vertices @ T[:3, :3].T + T[:3, 3], geometry.faces)
+
+
 def joined(*parts: Geometry) -> Geometry:
     """All parts as one mesh."""
     offsets = np.cumsum([0, *(len(part.vertices) for part in parts)])

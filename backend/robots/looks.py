@@ -11,7 +11,8 @@ from typing import Any, cast
 import trimesh
 
 from backend.kinematics.urdf import LinkTree
-from backend.looks import Geometry, creased, thinned
+from backend.looks import Geometry, creased, joined, moved, thinned
+from backend.pose import inverse
 from backend.robots.models import load_model
 
 Rgb = tuple[int, int, int]
@@ -44,6 +45,19 @@ def load_robot_parts(robot: str) -> RobotParts:
     links = ET.parse(path).getroot().findall("link")
     parts = [part for link in links for part in _parts_of(link, path.parent)]
     return RobotParts(LinkTree.from_urdf(path), tuple(parts))
+
+
+@cache
+def open_hand(robot: str) -> Geometry:
+    """The open hand of a registered robot as one mesh in the tcp frame; raises ``NotFoundError``."""
+    description, drawn = load_model(robot).description, load_robot_parts(robot)
+    gripper = description.gripper
+    followers = {coupled.joint: coupled.multiplier for coupled in (*gripper.gears, *gripper.followers)}
+    multipliers = {gripper.master_joint: 1.0, **followers}
+    poses = drawn.tree.link_poses({joint: m * gripper.open_rad for joint, m in multipliers.items()})
+    T_tcp_root = inverse(poses[description.flange_link] @ description.T_flange_tcp.matrix)
+    hand = [part for part in drawn.parts if part.link in gripper.hand_links]
+    return joined(*(moved(part.geometry, T_tcp_root @ poses[part.link]) for part in hand))
 
 
 def _parts_of(link: ET.Element, folder: Path) -> list[LinkPart]:

@@ -16,6 +16,7 @@ from backend.errors import MissingResourceError, NotFoundError
 from backend.kinematics.kinematics import load_kinematics
 from backend.pose import Array, Pose
 from backend.robots import ROBOTS
+from backend.robots.looks import open_hand
 from backend.robots.models import RobotModel, load_model
 from backend.robots.sources import SOURCES, packages_root, source_files
 from backend.sim.bullet import STEP_S, Bullet, GripperDrive, HandAlone, Robot
@@ -280,3 +281,12 @@ def _swing(home: Array, speed: Array, t_s: float) -> tuple[Array, Array]:
     signs = np.where(np.arange(len(home)) % 2, -1.0, 1.0)
     rate = 3.0
     return home + signs * speed / rate * (1 - math.cos(rate * t_s)), signs * speed * math.sin(rate * t_s)
+
+
+def test_the_drawn_open_hand_has_its_opening_between_the_pads(model: RobotModel):
+    hand = open_hand(model.description.name).vertices
+    tips = hand[hand[:, 2] > hand[:, 2].max() - 0.03]
+    left, right = tips[tips[:, 1] > 0.0], tips[tips[:, 1] < 0.0]
+    gap_m = left[:, 1].min() - right[:, 1].max()
+    assert gap_m == pytest.approx(model.description.gripper.opening_m, abs=1e-3)
+    assert left[:, 1].max() == pytest.approx(-right[:, 1].min(), abs=1e-3)

@@ -1,4 +1,4 @@
-"""The shortlisted grasps as small hands at the predicted object, coloured by the chosen score, the picked one apart."""
+"""The shortlisted grasps as small hands at the predicted object, coloured by a score; the picked one a ghost hand."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from app.ui import palette
 from app.ui.geometry import Geometry, gripper_glyph
 from app.ui.layers.layer import Picture, Root, place
 from app.ui.palette import Rgb
+from app.ui.robot_parts import open_hand
 from app.ui.scores import SCORES
 from app.ui.touch import Touch
 from backend.pipeline.values import Candidate, Shortlist
@@ -16,7 +17,8 @@ from backend.pose import Array, wxyz_from_rotation
 from backend.robots import ROBOTS
 from backend.snapshot import SceneDescription
 
-PICKED_SCALE = 1.15
+GHOST = 0.55
+"""Opacity of the hand at the picked grasp."""
 
 
 class GraspsLayer:
@@ -42,11 +44,13 @@ class GraspsLayer:
         self._glyph = gripper_glyph(ROBOTS[scene.robot].gripper.opening_m)
         self._frame = self._scene.add_frame(f"{self._root.name}/predicted", show_axes=False, visible=False)
         self._hands = self._add_hands(10)
+        hand = open_hand(scene.robot)
         self._picked = self._scene.add_mesh_simple(
             f"{self._root.name}/predicted/picked",
-            self._glyph.vertices * PICKED_SCALE,
-            self._glyph.faces,
+            hand.vertices,
+            hand.faces,
             color=palette.PICKED,
+            opacity=GHOST,
             visible=False,
         )
 
