@@ -1,10 +1,12 @@
-"""For all tests of the page: a session of the fake engine, and the robots' models, made once per machine."""
+"""For all tests of the page: a session of the fake engine, a bare viser, and the robots' models, made once."""
 
 from collections.abc import Iterator
 
 import pytest
+import viser
 
 from app.session import Session
+from app.ui.start import start_viser
 from backend.robots import ROBOTS
 from backend.robots.models import load_model
 from tests.app.fake_episode import LINEAR, FakeEngine
@@ -22,3 +24,10 @@ def session() -> Iterator[Session]:
     session.start()
     yield session
     session.close()
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    server = start_viser()
+    yield server
+    server.stop()

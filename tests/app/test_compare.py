@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -29,7 +28,6 @@ from app.ui.panels.method import MethodPanel
 from app.ui.panels.trial import TrialPanel
 from app.ui.progress import AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
-from app.ui.start import start_viser
 from app.ui.strip import strip_svg
 from app.ui.touch import Untouched
 from app.ui.worlds import Worlds
@@ -45,13 +43,6 @@ PAIR = LINEAR.model_copy(update={"compare": "baseline"})
 ENGINE = FakeEngine()
 LINK_M = 0.15
 """About as far as a link's shape reaches beyond its frame and the next one's."""
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    server = start_viser()
-    yield server
-    server.stop()
 
 
 @pytest.fixture

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
@@ -20,7 +19,6 @@ from app.ui.panels.method import MethodPanel
 from app.ui.panels.panel import View
 from app.ui.panels.settings import from_screen, on_screen
 from app.ui.progress import Tally
-from app.ui.start import start_viser
 from app.ui.units import SUFFIXES, split_unit
 from backend.config import Config
 from backend.errors import InvalidInputError
@@ -29,13 +27,6 @@ from backend.scenario import Scenario, load_scenario, scenario_names, with_overr
 from tests.app.fake_episode import FakeEngine
 
 PARTS = ("task", "sensing", "timing", "profile", "method")
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    server = start_viser()
-    yield server
-    server.stop()
 
 
 def all_fields(scenario: Scenario) -> tuple[Field, ...]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -21,7 +20,6 @@ from app.ui.layers.layer import Picture
 from app.ui.palette import rank_color
 from app.ui.panels.ranking import card_html, funnel_html
 from app.ui.scores import SCORES
-from app.ui.start import start_viser
 from app.ui.touch import Untouched
 from app.view import SharedView
 from backend.pipeline.values import Candidate, CycleResult, Shortlist
@@ -106,13 +104,6 @@ def test_colours_rank_and_grade_and_grey_out_what_nobody_asked() -> None:
     assert set(SCORES["Reachability"](replace(SHORT, reachability_m=None))) == {palette.QUIET}
     best = SCORES["Lift success"](replace(SHORT, candidates=replace(SHORT.candidates, quality=np.ones(30))))
     assert set(best) == {palette.RANKS[0]}
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    server = start_viser()
-    yield server
-    server.stop()
 
 
 def test_small_hands_stand_around_the_object_and_the_chosen_one_at_its_grasp(server: viser.ViserServer) -> None:

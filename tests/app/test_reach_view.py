@@ -1,6 +1,5 @@
 """What is drawn of reach and of how sure a prediction is, against closed forms; and the switches for it."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,6 @@ from app.commands import Restart
 from app.ui.layers import Picture
 from app.ui.layers.paths import two_sigma_m
 from app.ui.layers.reach import ReachLayer, slice_image
-from app.ui.start import start_viser
 from app.ui.touch import Untouched
 from app.view import SharedView
 from backend.knowledge.reach_profile import GraspKind
@@ -20,13 +18,6 @@ from backend.snapshot import SceneDescription, Snapshot
 from tests.app.fake_episode import FakeEngine
 
 ENGINE = FakeEngine()
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    server = start_viser()
-    yield server
-    server.stop()
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from html.parser import HTMLParser
@@ -28,7 +27,6 @@ from app.ui.panels.ranking import ranking_html
 from app.ui.panels.scenario import ScenarioPanel
 from app.ui.progress import WAIT_S, AutoNext, Tally
 from app.ui.robot_parts import load_robot_parts
-from app.ui.start import start_viser
 from app.ui.touch import Untouched
 from app.view import SharedView
 from backend.pipeline.values import Outcome
@@ -38,13 +36,6 @@ from tests.app.fake_episode import SCENARIOS, FakeEngine
 
 NAMES = [name for name in SCENARIOS if name != "boom"]
 ENGINE = FakeEngine()
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    server = start_viser()
-    yield server
-    server.stop()
 
 
 @cache
