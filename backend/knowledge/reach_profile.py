@@ -40,7 +40,7 @@ class ReachProfile:
     def at(self, kind: GraspKind, height_m: float) -> Array:
         """(n,) at one height, between the two rows next to it."""
         rows = self.distance_m[GRASP_KINDS.index(kind)]
-        place = np.clip((height_m - self.height_m[0]) / STEP_M, 0.0, len(rows) - 1.0)
+        place = float(np.interp(height_m, self.height_m, np.arange(len(rows))))
         low = min(int(place), len(rows) - 2)
         share = place - low
         return (1.0 - share) * rows[low] + share * rows[low + 1]

@@ -33,7 +33,7 @@ def test_a_height_beyond_the_profile_is_its_edge():
 
 @pytest.mark.parametrize("robot", ["mico", "ur5_robotiq"])
 @pytest.mark.parametrize("kind", GRASP_KINDS)
-def test_no_grasp_of_the_kind_is_much_deeper_in_reach_than_the_profile_says(robot: str, kind: GraspKind):
+def test_the_profile_says_what_the_best_of_many_grasps_of_the_kind_says(robot: str, kind: GraspKind):
     field, rng = load_reachability(robot), np.random.default_rng(3)
     profile = profile_of(field)
     best_m = np.full(60, -np.inf)
