@@ -28,7 +28,6 @@ class LegendPanel:
             self._height = gui.add_slider("Height cm", 0, 100 * HIGHEST_M, 1, 10, hint="Of the slice of reach")
         for title, box in self._boxes.items():
             box.on_update(choosing(desk, f"layer {title}", partial(self.set_layer, title)))
-
         self._kind.on_update(choosing(desk, "reach of", self.set_kind))
         self._height.on_update(choosing(desk, "reach height", self.set_height_cm))
 
