@@ -11,6 +11,7 @@ import json
 import os
 import sys
 import time
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -37,6 +38,7 @@ class Measurement:
     """Batches of scene poses a second that reached the browser while the trial moved."""
     real_time_factor: float
     traffic_kBps: float
+    """To the first viewer."""
     server_share: float
     """Of one core, without the simulation process."""
     simulation_share: float
@@ -84,16 +86,20 @@ class Wire:
         self.received_bytes += len(payload)
 
 
-def measure(served: Served, minutes: float) -> Measurement:
-    """Look at the page for so long."""
+def measure(served: Served, minutes: float, viewers: int) -> Measurement:
+    """Look at the page for so long; all but the first of the viewers do not draw what they are sent."""
     pids = served.process.pid, served.simulation_pid()
-    with open_browser() as browser, open_page(browser, "about:blank", drawn=True) as page:
+    with ExitStack() as stack:
+        browser = stack.enter_context(open_browser())
+        page = stack.enter_context(open_page(browser, "about:blank", drawn=True))
         wire = Wire(page)
         start_s = time.monotonic()
         page.goto(served.address)
         wait_for_node(page, "/object/body", 60.0)
         wait_for_node(page, "/robot", 60.0)
         first_frame_s = time.monotonic() - start_s
+        for _ in range(viewers - 1):
+            wait_for_node(stack.enter_context(open_page(browser, served.address)), "/object/body", 60.0)
         page.wait_for_timeout(3000)
         return _watch(served, page, wire, pids, first_frame_s, minutes)
 
@@ -140,6 +146,7 @@ def main() -> int:
     """Exit code 1 when a figure misses its target."""
     parser = argparse.ArgumentParser(prog="python -m tests.app.measure_page", description=__doc__)
     parser.add_argument("--minutes", type=float, default=1.0)
+    parser.add_argument("--viewers", type=int, default=1, help="pages open at once")
     parser.add_argument("--scenario", default="ur5_linear")
     parser.add_argument("--compare", metavar="METHOD", help="with the same trial under another method beside it")
     parser.add_argument("--json", action="store_true", help="one JSON object instead of a table")
@@ -149,7 +156,7 @@ def main() -> int:
             time.sleep(0.2)
         if options.compare:
             served.command(kind="restart", scenario=options.scenario, compare=options.compare)
-        result = measure(served, options.minutes)
+        result = measure(served, options.minutes, options.viewers)
     met = {
         "first_frame_s": result.first_frame_s <= FIRST_FRAME_S,
         "poses_hz": result.poses_hz >= 0.95 * POSES_HZ,

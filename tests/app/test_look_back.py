@@ -12,6 +12,7 @@ from app.commands import ApplyEvent, GoOn, LookBack, SetPaused, SetSpeed, StepOn
 from app.history import KEPT_S, History, Moment
 from app.session import Session
 from app.state import SessionState
+from app.ui.panels.belt import rate_asked_for
 from app.ui.strip import cycle_times, span_s, stretches, strip_svg
 from backend.errors import InvalidInputError
 from backend.events import SetBeltRate
@@ -55,6 +56,18 @@ def test_whoever_steps_or_plays_is_back_at_the_newest(session: Session) -> None:
     assert shown_tick(state) == tick(state)
     session.send(LookBack(t_s=99.0))
     assert session.state.looked_at is None, "the end of the past is now"
+
+
+def test_a_belt_edited_while_paused_shows_what_was_asked_for_and_before_it_what_was(session: Session) -> None:
+    at_edit = play_to(session, 30).snapshot
+    assert at_edit is not None
+    session.send(ApplyEvent(event=SetBeltRate(rate=-2.0)))
+    state = wait(session, lambda s: bool(s.events))
+    assert state.snapshot is not None and state.snapshot.belt_rate == 1.0, "no time has gone by"
+    assert rate_asked_for(state) == -2.0
+    session.send(StepOnce())
+    session.send(LookBack(t_s=at_edit.t_s - 0.2))
+    assert rate_asked_for(wait(session, lambda s: s.looked_at is not None).shown) == 1.0
 
 
 def test_the_past_cannot_be_edited(session: Session) -> None:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import viser
 
 from app.commands import ApplyEvent
+from app.state import SessionState
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
 from backend.errors import InvalidInputError
 from backend.events import SetBeltRate
 
+BELT_RATE = 1.0
+"""Of a trial nobody has edited."""
 LIVE_RATE = 4.0
 """Largest live factor of the belt's speed."""
 CM_PER_M = 100.0
@@ -35,15 +38,15 @@ class BeltPanel:
         self._direction.on_click(choosing(desk, "direction", self.set_direction))
 
     def show(self, view: View) -> None:
-        speed_mps, snapshot = view.state.info.speed_mps, view.state.newest
+        speed_mps, rate = view.state.info.speed_mps, rate_asked_for(view.state)
         self._speed.visible = speed_mps is not None
         self._factor.visible = speed_mps is None
-        if snapshot is None:
+        if rate is None:
             return
         if speed_mps is None:
-            self._desk.mirror("belt", self._factor, round(snapshot.belt_rate, 1))
+            self._desk.mirror("belt", self._factor, round(rate, 1))
         else:
-            self._desk.mirror("belt", self._speed, round(CM_PER_M * speed_mps * snapshot.belt_rate, 1))
+            self._desk.mirror("belt", self._speed, round(CM_PER_M * speed_mps * rate, 1))
 
     def set_belt(self, speed_mps: float) -> Answer:
         """Change the belt of the running trial where that is possible, else restart with another speed."""
@@ -66,8 +69,8 @@ class BeltPanel:
 
     def set_direction(self, label: str) -> Answer:
         """Run the belt forward or backward at its speed, or stop it."""
-        snapshot = self._desk.session.state.newest
-        pace = abs(snapshot.belt_rate) if snapshot and abs(snapshot.belt_rate) > 0.05 else 1.0
+        rate = abs(rate_asked_for(self._desk.session.state) or 0.0)
+        pace = rate if rate > 0.05 else 1.0
         rates = {"Forth": pace, "Stop": 0.0, "Back": -pace}
         if label not in rates:
             raise InvalidInputError(f"direction: choose one of {', '.join(rates)} (got {label!r})")
@@ -78,3 +81,12 @@ class BeltPanel:
     def _is_running(self) -> bool:
         state = self._desk.session.state
         return state.snapshot is not None and not state.over and not state.loading
+
+
+def rate_asked_for(state: SessionState) -> float | None:
+    """What the belt runs at, or is on its way to: after an edit, once time goes on. None before a trial's start."""
+    if state.newest is None:
+        return None
+    edits = sorted((*state.info.values.events, *state.events), key=lambda timed: timed.tick)
+    rates = [e.event.rate for e in edits if e.tick <= state.newest.tick and isinstance(e.event, SetBeltRate)]
+    return rates[-1] if rates else BELT_RATE
