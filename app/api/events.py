@@ -42,7 +42,9 @@ def events_router(session: Session) -> APIRouter:
 
     @router.get("/events", response_class=EventSourceResponse, dependencies=[Depends(one_of_few)])
     async def events(rate_hz: Rate = 5.0) -> AsyncIterator[ServerSentEvent]:
-        """Server-sent events: `state` (as /session) and `control` (as /session/driver), each when it has changed.
+        """Server-sent events: `state` (as /session), `view` (as /session/view) and `control` (as /session/driver).
+
+        Each comes at first and when it has changed.
 
         Only the newest counts: what changes faster than `rate_hz` is not queued. A comment comes when nothing
         else has for 5 s. The stream ends when the server does.
@@ -63,7 +65,8 @@ async def changes(
         now_s = time.monotonic()
         if now_s >= due_s:
             due_s = now_s + interval_s
-            news = {"control": control_state(session.people, SCRIPT), "state": describe(session.state)}
+            state, control = session.state, control_state(session.people, SCRIPT)
+            news = {"control": control, "state": describe(state), "view": state.view}
             for name, value in news.items():
                 if said.get(name) != value:
                     said[name] = value

@@ -67,6 +67,8 @@ def test_what_happens_is_told_and_who_drives(served: Served) -> None:
         stream.until("state", tick=1)
         served.command(kind="apply_event", event={"kind": "set_belt_rate", "rate": -1.0})
         stream.until("state", live_edits=1)
+        httpx.patch(served.address + "api/v1/session/view", json={"grasps_by": "Reachability"})
+        assert stream.until("view", grasps_by="Reachability")["hidden"] == ["Reach"]
         served.command(kind="restart", scenario="mico_varying", seed=5)
         stream.until("state", scenario="mico_varying", seed=5, tick=0, loading=False)
 
@@ -78,7 +80,8 @@ def test_no_more_events_come_than_were_asked_for(session: Session) -> None:
     session.send(SetPaused(paused=True))
     wait(session, lambda s: s.pace.paused and s.pace.real_time_factor == 0.0)
     quiet = collect(session, 0.1, 1.0, heartbeat_s=0.2)
-    assert quiet[:2] == ["control", "state"] and 3 <= quiet.count(None) <= 5 and len(quiet) == 2 + quiet.count(None)
+    assert quiet[:3] == ["control", "state", "view"] and 3 <= quiet.count(None) <= 5
+    assert len(quiet) == 3 + quiet.count(None)
 
 
 def collect(session: Session, interval_s: float, for_s: float, heartbeat_s: float = 60.0) -> list[str | None]:
