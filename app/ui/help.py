@@ -9,7 +9,7 @@ from html import escape
 import viser
 
 from app.ui.memory import Memory
-from app.ui.palette import BRAND, QUIET, css
+from app.ui.palette import ANCHOR, BRAND, QUIET, css
 
 KEY = "toured"
 SHORTCUTS: tuple[tuple[str, str], ...] = (
@@ -135,7 +135,7 @@ def keys_html(title: str, rows: tuple[tuple[str, str], ...]) -> str:
 
 LINKS = (
     '<div style="padding:8px;font-size:0.9em">Many trials at once: '
-    f'<a href="/experiments" target="_blank" rel="noopener" style="color:{css(BRAND)}">experiments</a>. '
+    f'<a href="/experiments" target="_blank" rel="noopener" style="color:{ANCHOR}">experiments</a>. '
     "Everything here can be scripted: "
-    f'<a href="/api/docs" target="_blank" rel="noopener" style="color:{css(BRAND)}">API docs</a>.</div>'
+    f'<a href="/api/docs" target="_blank" rel="noopener" style="color:{ANCHOR}">API docs</a>.</div>'
 )

@@ -6,6 +6,8 @@ Rgb = tuple[int, int, int]
 
 BRAND: Rgb = (24, 100, 171)
 LINK: Rgb = (34, 139, 230)
+ANCHOR = "var(--mantine-color-anchor)"
+"""CSS of the page's links, readable on light and dark alike."""
 FLOOR: Rgb = (246, 247, 249)
 FLOOR_CELL: Rgb = (228, 231, 235)
 FLOOR_SECTION: Rgb = (206, 212, 218)

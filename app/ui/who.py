@@ -9,7 +9,7 @@ from html import escape
 import viser
 
 from app.people import NotDrivingError, People, Visitor
-from app.ui.palette import BRAND, QUIET, css
+from app.ui.palette import ANCHOR, QUIET, css
 
 TAKE = "Take control"
 FIRST = -1e6
@@ -102,12 +102,12 @@ def line_html(visitor: Visitor, driver: Visitor | None, watching: int) -> str:
     """HTML that says who this page is, who drives and how many watch; it carries the page's key for its script."""
     watch = "nobody watches" if watching == 0 else "1 watches" if watching == 1 else f"{watching} watch"
     if driver is None:
-        what, color = "nobody drives, use any control to", QUIET
+        what, color = "nobody drives, use any control to", css(QUIET)
     elif driver == visitor:
-        what, color = f"you drive, {watch}", BRAND
+        what, color = f"you drive, {watch}", ANCHOR
     else:
-        what, color = f"you watch, {driver.name} drives, {watch}", QUIET
+        what, color = f"you watch, {driver.name} drives, {watch}", css(QUIET)
     return (
-        f'<div data-visitor="{escape(visitor.key)}" style="margin:2px 12px;font-size:0.8em;color:{css(color)};'
+        f'<div data-visitor="{escape(visitor.key)}" style="margin:2px 12px;font-size:0.8em;color:{color};'
         f'font-weight:600">{escape(visitor.name)}: {escape(what)}</div>'
     )

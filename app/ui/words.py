@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from html import escape
 
-from app.ui.palette import BAD, BRAND, GOOD, LINK, QUIET, Rgb, css
+from app.ui.palette import ANCHOR, BAD, GOOD, QUIET, Rgb, css
 from backend.pipeline.values import FailureReason, Outcome, Phase
 
 PHASES: dict[Phase, str] = {
@@ -146,8 +146,8 @@ def page_link(text: str, address: str) -> str:
 
 def _button(text: str, address: str, what: str) -> str:
     style = (
-        f"display:block;margin:6px 12px;padding:5px 10px;border-radius:4px;border:1px solid {css(BRAND)};"
-        f"color:{css(LINK)};text-align:center;text-decoration:none;font-size:0.85em"
+        f"display:block;margin:6px 12px;padding:5px 10px;border-radius:4px;border:1px solid {ANCHOR};"
+        f"color:{ANCHOR};text-align:center;text-decoration:none;font-size:0.85em"
     )
     return f'<a href="{escape(address)}" {what} style="{style}">{escape(text)}</a>'
 

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import viser
 
 from app.commands import SPEEDS, LookBack, SetPaused, SetSpeed, StepOnce
+from app.state import SessionState
 from app.ui.desk import Answer, Desk, checked
 from app.ui.panels.choice import choosing
 from app.ui.panels.panel import View
@@ -56,7 +57,8 @@ class PlaybackPanel:
         self._add_keys(gui)
 
     def show(self, view: View) -> None:
-        self._time.options = ("Play" if view.state.pace.paused else "Pause", "Step")
+        still = view.live.pace.paused or _at_rest(view.live)
+        self._time.options = ("Play" if still else "Pause", "Step")
         self._status.content = note(view.status_line) if view.status_line else ""
         self._desk.mirror("auto", self._auto, view.state.view.auto_next)
         label = speed_label(view.state.pace.speed)
@@ -68,9 +70,12 @@ class PlaybackPanel:
         return lookup("button", label, self._actions)()
 
     def toggle(self) -> Answer:
-        """Pause or go on."""
-        self._desk.send(SetPaused(paused=not self._desk.session.state.pace.paused))
-        return None
+        """Pause or go on; at the end, where nothing else comes, the same trial from its start."""
+        state = self._desk.session.state
+        over = _at_rest(state)
+        if not over or state.pace.paused:
+            self._desk.send(SetPaused(paused=not state.pace.paused))
+        return self.reset() if over else None
 
     def step(self) -> Answer:
         """One tick; of those there were, while somebody looks back."""
@@ -122,3 +127,8 @@ class PlaybackPanel:
         register(gui.add_command("One tick back", hotkey="B"), "key B", self.step_back)
         register(gui.add_command("Restart the trial", hotkey="R"), "key R", self.reset)
         register(gui.add_command("Next seed", hotkey="N"), "key N", self.next_seed)
+
+
+def _at_rest(state: SessionState) -> bool:
+    """Whether the trial has ended, is looked at in its last moment, and no other follows by itself."""
+    return state.over and state.looked_at is None and not state.loading and not state.view.auto_next
