@@ -81,7 +81,7 @@ class Cycle:
         self._reachability = _field_for(method.filter, robot)
         self._in_motion = _grasps_in_motion_for(method.filter, grasps)
         self._planner: Planner = make_planner(method.planner)
-        self.rehearsal = Rehearsal(kinematics, scene, limits, method.execution.lift_m)
+        self.rehearsal = Rehearsal(kinematics, scene, limits, method.execution.lift_m, method.rehearsal)
 
     def run(self, start: CycleStart, predictor: Predictor) -> CycleResult:
         """Think once. The result holds every room's output up to the first "no"."""

@@ -32,7 +32,7 @@ def restart_of(plan: Plan, row: GridRow) -> Restart:
     return Restart(
         scenario=scenario_name_of(row.robot, row.task),
         seed=job.seed,
-        overrides={**fields, **decided, "timing.think": settings.think},
+        overrides={**decided, "timing.think": settings.think, **fields},
     )
 
 

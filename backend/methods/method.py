@@ -205,3 +205,6 @@ class Method(Config):
     planner: PlannerConfig = RrtConnect()
     retimer: RetimerConfig = Fast()
     execution: Execution = Execution()
+    rehearsal: bool = True
+    """Go for a grasp, and in for it, only when the way in and the lift have been found free, and by no way that
+    pushes the moving object; the paper's arm finds out on the spot."""

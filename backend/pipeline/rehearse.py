@@ -32,6 +32,8 @@ class Rehearsal:
     scene: PlanningScene
     limits: JointLimits
     lift_m: float
+    wanted: bool = True
+    """Without, nothing but the arm's own reach and speed is looked at, and only when it goes in."""
 
     def approach(self, request: ApproachRequest) -> Approach | Refusal:
         """A way in that is free and that the lift can follow, or why there is none."""
@@ -48,6 +50,8 @@ class Rehearsal:
 
         ``trusted`` has passed a moment ago. When none passes, all are given back: there is time until then.
         """
+        if not self.wanted:
+            return picked, {}
         refused: dict[int, str] = {}
         for i, candidate in enumerate(picked):
             if candidate.index == trusted:
@@ -64,6 +68,8 @@ class Rehearsal:
 
         Leaves the scene's target somewhere on its way.
         """
+        if not self.wanted:
+            return ""
         t_s = np.arange(trajectory.start_s, min(until_s, trajectory.end_s), LOOK_EVERY_S)
         for k, (T_world_object, now_s) in enumerate(zip(object_at(t_s), t_s.tolist(), strict=True)):
             self.scene.move_target(Pose(T_world_object))
@@ -77,6 +83,8 @@ class Rehearsal:
 
         Leaves the scene's target somewhere on its way.
         """
+        if not self.wanted:
+            return None
         trajectory = approach.trajectory
         self.scene.move_target(approach.T_world_object)
         going_in = trajectory.q[trajectory.t_s <= approach.arrive_s + 1e-9][::-CHECK_EVERY]

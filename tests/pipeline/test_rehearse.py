@@ -122,6 +122,17 @@ def test_what_fails_gives_way_to_what_passes(picked: tuple[Candidate, ...]):
     assert set(refused) == {-1} and refused[-1].startswith("in rehearsal: ")
 
 
+def test_without_rehearsal_only_the_arm_itself_is_in_its_own_way(picked: tuple[Candidate, ...]):
+    scene = standing_on_the_belt()
+    scene.add_object(load_object("sugar_box"), START)
+    asked = request(picked[0], picked[0].goals[0])
+    assert isinstance(rehearsal(scene).approach(asked), Refusal)
+    assert isinstance(replace(rehearsal(scene), wanted=False).approach(asked), Approach)
+    slow = replace(rehearsal(standing_on_the_belt(), 1e-4), wanted=False)
+    assert isinstance(slow.approach(asked), Refusal)
+    assert slow.from_the_first_that_works(picked, None, request) == (picked, {})
+
+
 def test_when_none_passes_all_are_left(picked: tuple[Candidate, ...]):
     left, refused = rehearsal(standing_on_the_belt(), 1e-4).from_the_first_that_works(picked, None, request)
     assert left == picked
@@ -151,6 +162,7 @@ def test_a_motion_through_the_object_as_it_moves_is_told_and_when(picked: tuple[
     blocked = [not free_at(scene, sweep(0.0, picked[0]), t_s) for t_s in np.arange(0.0, 4.0, 0.1)]
     assert float(told[1]) == pytest.approx(0.1 * blocked.index(True))
     assert rehearsal(scene).brushes(sweep(0.0, picked[0]), float(told[1]) - 0.05, object_at) == ""
+    assert replace(rehearsal(scene), wanted=False).brushes(sweep(0.0, picked[0]), 10.0, object_at) == ""
 
 
 def test_a_motion_through_where_the_object_has_been_is_not(picked: tuple[Candidate, ...]):

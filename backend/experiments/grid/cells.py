@@ -11,10 +11,13 @@ from typing import Any
 from backend.errors import InvalidInputError, NotFoundError
 from backend.experiments.grid.conditions import Conditions
 from backend.experiments.grid.settings import GridSettings
-from backend.methods import METHODS
+from backend.methods import METHODS, Method
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
 
-DECIDED_BY_THE_GRID = ("robot", "object", "method", "profile", "seed", "events", "title", "description")
+DECIDED_BY_THE_GRID = (
+    *("robot", "object", "method", "method.name", "method.title", "profile", "seed", "title", "description"),
+    *("timing.think", "task.kind"),
+)
 """Not for ``set``: the grid's own words say them, or they are not conditions."""
 OF_NO_EFFECT = {"title", "description", "object", "seed"}
 """What a cell's scenario has beyond its conditions."""
@@ -130,11 +133,16 @@ def make_plan(settings: GridSettings, starts: Mapping[Group, tuple[Start, ...]] 
     _check_overrides(settings.set)
     starts = starts or _drawn(settings)
     scenarios: dict[tuple[str, str, str], Scenario] = {}
+    of_methods = [override for override in settings.set if _path(override).startswith("method.")]
+    others = [override for override in settings.set if override not in of_methods]
     for robot, task in dict.fromkeys((robot, task) for robot, task, _ in starts):
-        conditions = [*settings.set, f"profile={settings.profile}", f"timing.think={settings.think}"]
-        base = with_overrides(scenario_of(robot, task), conditions)
+        base = with_overrides(
+            scenario_of(robot, task), [*others, f"profile={settings.profile}", f"timing.think={settings.think}"]
+        )
         for method in settings.methods:
-            scenarios[robot, task, method] = base.model_copy(update={"method": METHODS[method]})
+            furnished = base.model_copy(update={"method": METHODS[method]})
+            scenarios[robot, task, method] = with_overrides(furnished, of_methods)
+    _check_methods_differ(scenarios, settings.methods)
     return Plan(settings, scenarios, starts)
 
 
@@ -166,9 +174,24 @@ def _drawn(settings: GridSettings) -> dict[Group, tuple[Start, ...]]:
 
 def _check_overrides(overrides: tuple[str, ...]) -> None:
     for override in overrides:
-        path = override.partition("=")[0].strip()
-        if path.split(".")[0] in DECIDED_BY_THE_GRID or path in ("timing.think", "task.kind"):
+        path = _path(override)
+        if path in DECIDED_BY_THE_GRID or path.split(".")[0] == "events":
             raise InvalidInputError(
                 f"set: {override!r} is not a condition; a grid's robots, tasks, objects, methods, profile, think and "
                 "first_seed have words of their own."
             )
+
+
+def _check_methods_differ(scenarios: Mapping[tuple[str, str, str], Scenario], methods: tuple[str, ...]) -> None:
+    """A setting of all methods may be the very one that two of them differ in."""
+    robot, task, _ = next(iter(scenarios))
+    seen = dict[Method, str]()
+    for name in methods:
+        rooms = scenarios[robot, task, name].method.model_copy(update={"name": "", "title": ""})
+        if rooms in seen:
+            raise InvalidInputError(f"set: it leaves no difference between the methods {seen[rooms]} and {name}.")
+        seen[rooms] = name
+
+
+def _path(override: str) -> str:
+    return override.partition("=")[0].strip()

@@ -57,10 +57,24 @@ def test_conditions_reach_every_scenario():
     assert sorted({job.seed for job in jobs}) == [7, 8, 9, 10]
 
 
-@pytest.mark.parametrize("override", ["robot=mico", "method.planner.seeded=false", "timing.think=measured", "seed=3"])
+@pytest.mark.parametrize("override", ["robot=mico", "method=ik", "method.name=mine", "timing.think=measured", "seed=3"])
 def test_what_the_grid_decides_is_not_a_condition(override: str):
     with pytest.raises(InvalidInputError, match=re.escape(override)):
         plan(set=(override,))
+
+
+def test_what_is_set_of_a_method_is_set_of_all_and_leaves_their_differences():
+    jobs = all_jobs(plan(set=("method.horizon.kind=step", "method.rehearsal=false"), methods=("ours_rm", "baseline")))
+    assert {(job.scenario.method.horizon.kind, job.scenario.method.rehearsal) for job in jobs} == {("step", False)}
+    assert {(job.key.method, job.scenario.method.filter.kind) for job in jobs} == {
+        ("ours_rm", "reachability_motion"),
+        ("baseline", "random"),
+    }
+
+
+def test_methods_that_a_setting_makes_the_same_are_named():
+    with pytest.raises(InvalidInputError, match="no difference between the methods ours_rm and no_seeding"):
+        plan(set=("method.planner.seeded=false",), methods=("ours_rm", "baseline", "no_seeding"))
 
 
 def test_an_unknown_trial_is_answered_with_what_exists():
