@@ -159,8 +159,6 @@ class Cycle:
         watch: _Stopwatch,
     ) -> CycleResult:
         """Plan and retime for the nearest grasp that lets itself be reached without pushing the object on the way."""
-        meeting = result.prediction
-        assert meeting is not None
         arm = start.arm_at(result.effective_s)
         seed_path = remaining(start.previous, arm)
         left = list(picked)
@@ -188,7 +186,6 @@ class Cycle:
                 continue
             with watch("retime"):
                 touches = self.rehearsal.brushes(trajectory, arm.t_s + WARY_S, lambda t_s: seen_by(predictor, t_s))
-                self.scene.move_target(meeting.pose(1))
             if touches:
                 result = replace(result, refused_by="retime", why=f"on the way, {touches}")
                 left.remove(candidate)

@@ -62,6 +62,15 @@ class Trajectory:
         qd = [(v0 + u * (2.0 * c2 + u3 * c3)) / h for _, v0, c2, c3 in joints]
         return np.array(q), np.array(qd)
 
+    def positions(self, t_s: Array) -> Array:
+        """(m, dof) q at times (m,), as ``sample`` has it."""
+        grid = self.t_s
+        piece = np.clip(np.searchsorted(grid, t_s, side="right") - 1, 0, len(grid) - 2)
+        u = ((t_s - grid[piece]) / (grid[piece + 1] - grid[piece]))[:, None]
+        q0, v0, c2, c3 = np.moveaxis(self._cubics[piece], -1, 0)
+        inside = q0 + u * (v0 + u * (c2 + u * c3))
+        return np.where(t_s[:, None] <= grid[0], self.q[0], np.where(t_s[:, None] >= grid[-1], self.q[-1], inside))
+
     def peaks(self, from_s: float = -np.inf, until_s: float = np.inf) -> tuple[Array, Array]:
         """(dof,) largest |qd| and |qdd| of every joint, exactly, over the pieces that begin in a span of time."""
         chosen = (self.t_s[:-1] >= from_s - SAME_MOMENT_S) & (self.t_s[:-1] < until_s - SAME_MOMENT_S)
@@ -82,11 +91,15 @@ class Trajectory:
 
     @cached_property
     def _pieces(self) -> list[list[tuple[float, float, float, float]]]:
-        """Of each of the n - 1 pieces and each joint: what 1, u, u^2 and u^3 are multiplied by, u from 0 to 1."""
+        """``_cubics`` as plain numbers too."""
+        return self._cubics.tolist()
+
+    @cached_property
+    def _cubics(self) -> Array:
+        """(n - 1, dof, 4) what 1, u, u^2 and u^3 are multiplied by in each piece, u from 0 to 1."""
         h = np.diff(self.t_s)[:, None]
         v0, v1, delta = self.qd[:-1] * h, self.qd[1:] * h, np.diff(self.q, axis=0)
-        cubics = np.stack([self.q[:-1], v0, 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta], axis=-1)
-        return cubics.tolist()
+        return np.stack([self.q[:-1], v0, 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta], axis=-1)
 
     def shifted(self, by_s: float) -> Trajectory:
         """The same motion, ``by_s`` later."""

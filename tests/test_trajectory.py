@@ -30,3 +30,12 @@ def test_peaks_of_a_span_are_those_of_the_pieces_that_begin_in_it():
     assert trajectory.peaks(from_s=6.0)[0] == pytest.approx(2.0)
     assert trajectory.peaks(until_s=5.0)[1] == pytest.approx(0.0)
     assert not trajectory.peaks(from_s=7.0)[0].any()
+
+
+def test_positions_are_those_of_single_samples_bit_for_bit():
+    rng = np.random.default_rng(2)
+    grid = np.cumsum(rng.uniform(0.01, 0.3, 9))
+    trajectory = Trajectory(grid, rng.normal(size=(9, 6)), rng.normal(size=(9, 6)))
+    times = np.concatenate([rng.uniform(grid[0] - 1.0, grid[-1] + 1.0, 500), grid, grid - 1e-12])
+    one_by_one = np.array([trajectory.sample(float(t_s))[0] for t_s in times])
+    assert (trajectory.positions(times) == one_by_one).all()

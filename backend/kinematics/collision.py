@@ -245,6 +245,31 @@ def contact_each(robot: RobotArrays, bodies: BodyArrays, margins: Margins, optio
 
 
 @kernel
+def first_contact(
+    robot: RobotArrays,
+    bodies: BodyArrays,
+    margins: Margins,
+    options: int,
+    qs: Array,
+    moving: Integers,
+    rows: Array,
+) -> tuple[int, int, int, int]:
+    """Of postures (n, dof) the first that touches anything, and its ``contact``; -1 when all are free.
+
+    By posture i the bodies ``moving`` (k,) are at ``rows[i]`` (n, k, 12); the others stay.
+    """
+    poses = bodies[0].copy()
+    now = (poses, bodies[1], bodies[2], bodies[3], bodies[4], bodies[5])
+    for i in range(qs.shape[0]):
+        for k in range(moving.shape[0]):
+            poses[moving[k]] = rows[i, k]
+        kind, one, other = contact(robot, now, margins, options, qs[i])
+        if kind != FREE:
+            return i, kind, one, other
+    return -1, FREE, -1, -1
+
+
+@kernel
 def edge_checks(
     robot: RobotArrays,
     bodies: BodyArrays,

@@ -10,7 +10,6 @@ from backend.pipeline.execute import Approach, ApproachRequest, ArmState, plan_a
 from backend.pipeline.execute.approach import ObjectAt
 from backend.pipeline.retime import JointLimits
 from backend.pipeline.values import Candidate, JointGoal, Refusal
-from backend.pose import Pose
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Trajectory
 
@@ -64,24 +63,19 @@ class Rehearsal:
         return picked, refused
 
     def brushes(self, trajectory: Trajectory, until_s: float, object_at: ObjectAt) -> str:
-        """What would touch the moving object or its tray before then; empty if nothing, or if it does so already.
-
-        Leaves the scene's target somewhere on its way.
-        """
+        """What would touch the moving object or its tray before then; empty if nothing, or if it does so already."""
         if not self.wanted:
             return ""
         t_s = np.arange(trajectory.start_s, min(until_s, trajectory.end_s), LOOK_EVERY_S)
-        for k, (T_world_object, now_s) in enumerate(zip(object_at(t_s), t_s.tolist(), strict=True)):
-            self.scene.move_target(Pose(T_world_object))
-            why = self.scene.why_blocked(trajectory.sample(now_s)[0])
-            if why:
-                return f"in {now_s - trajectory.start_s:.1f} s {why}" if k else ""
-        return ""
+        found = self.scene.first_contact(trajectory.positions(t_s), object_at(t_s)) if len(t_s) else None
+        if found is None or found[0] == 0:
+            return ""
+        return f"in {t_s[found[0]] - trajectory.start_s:.1f} s {found[1]}"
 
     def unsafe(self, approach: Approach, request: ApproachRequest) -> Refusal | None:
         """Why the way in, or the lift that follows it, cannot be done; None when both can.
 
-        Leaves the scene's target somewhere on its way.
+        Leaves the scene's target where it would be grasped.
         """
         if not self.wanted:
             return None
@@ -105,12 +99,7 @@ class Rehearsal:
     def _touched_in(self, lift: Trajectory, request: ApproachRequest) -> str:
         """What the arm would touch while it raises the object and the tray goes on without it; empty if nothing."""
         t_s = np.linspace(lift.start_s, lift.end_s, LIFT_LOOKS)
-        T_grasp_object = request.T_object_grasp.inverse()
-        for T_world_left, now_s in zip(request.object_at(t_s), t_s.tolist(), strict=True):
-            q, _ = lift.sample(now_s)
-            self.scene.move_target(Pose(T_world_left))
-            self.scene.carry_target(Pose(self.kinematics.fk(q)) @ T_grasp_object)
-            why = self.scene.why_blocked(q, hand_may_touch_target=True)
-            if why:
-                return why
-        return ""
+        qs = lift.positions(t_s)
+        carried = self.kinematics.fk_many(qs) @ request.T_object_grasp.inverse().matrix
+        found = self.scene.first_contact(qs, carried, request.object_at(t_s), in_hand=True)
+        return "" if found is None else found[1]

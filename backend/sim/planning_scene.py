@@ -11,6 +11,7 @@ from backend.errors import InvalidInputError
 from backend.kinematics import Kinematics
 from backend.kinematics import collision as kernels
 from backend.kinematics.bodies import BodyTable, box_shape, hull_shape
+from backend.kinematics.chain import rows_of
 from backend.objects.description import ObjectDescription
 from backend.pose import Array, Pose
 
@@ -102,15 +103,9 @@ class PlanningScene:
 
     def move_target(self, T_world_object: Pose) -> None:
         """Put the target elsewhere, and its tray with it."""
-        self.carry_target(T_world_object)
-        assert self._target is not None
-        self._table.move(self._target.tray, T_world_object @ self._target.T_object_tray)
-
-    def carry_target(self, T_world_object: Pose) -> None:
-        """Put the target elsewhere, off its tray, which stays."""
-        if self._target is None:
-            raise InvalidInputError("The planning scene has no target yet; give it one with set_target.")
-        self._table.move(self._target.body, T_world_object)
+        target = self._the_target()
+        self._table.move(target.body, T_world_object)
+        self._table.move(target.tray, T_world_object @ target.T_object_tray)
 
     def is_free(self, q: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> bool:
         """Whether posture ``q`` (dof,) rad touches nothing. ``target=False``: as if it were not there."""
@@ -157,6 +152,29 @@ class PlanningScene:
         options = _options(target, hand_may_touch_target)
         found = kernels.contact_each(self._robot, self._table.arrays, self._margins, options, _row(qs))
         return [self._words(kind, one, other) for kind, one, other in found.tolist()]
+
+    def first_contact(
+        self, qs: Array, Ts_world_object: Array, Ts_world_left: Array | None = None, *, in_hand: bool = False
+    ) -> tuple[int, str] | None:
+        """Which of successive postures (n, dof) touches anything first, and what, as the target moves on; None: none.
+
+        By posture i the target is at ``Ts_world_object[i]`` (n, 4, 4), and its tray under it, or under
+        ``Ts_world_left[i]``, where the target would be on it. ``in_hand``: the hand may touch the target.
+        """
+        target = self._the_target()
+        Ts_on_tray = Ts_world_object if Ts_world_left is None else Ts_world_left
+        rows = np.stack([rows_of(Ts_world_object), rows_of(Ts_on_tray @ target.T_object_tray.matrix)], axis=1)
+        moving = np.array([target.body, target.tray])
+        options = _options(True, in_hand)
+        found = kernels.first_contact(
+            self._robot, self._table.arrays, self._margins, options, _row(qs), moving, _row(rows)
+        )
+        return None if found[0] < 0 else (found[0], self._words(*found[1:]))
+
+    def _the_target(self) -> Target:
+        if self._target is None:
+            raise InvalidInputError("The planning scene has no target yet; give it one with set_target.")
+        return self._target
 
     def _words(self, kind: int, one: int, other: int) -> str:
         """What a kernel's ``contact`` means."""

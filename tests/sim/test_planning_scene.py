@@ -177,6 +177,39 @@ def test_moving_the_target_moves_its_tray():
     assert "too near to the tray" in scene.why_blocked(q, target=False)
 
 
+def test_the_first_contact_with_a_moving_target_is_that_of_moving_it_step_by_step():
+    scene, home = with_target()
+    rng = np.random.default_rng(6)
+    found = set[str]()
+    for _ in range(200):
+        qs = np.array([home + 0.3 * rng.normal(size=home.size), home, home + 0.3 * rng.normal(size=home.size)])
+        at = [Pose.from_xyz_yaw(rng.uniform((-0.9, -0.9, 0.0), (0.9, 0.9, 0.9)), rng.uniform(-3.0, 3.0)) for _ in qs]
+        told = scene.first_contact(qs, np.array([pose.matrix for pose in at]))
+        one_by_one = list[str]()
+        for q, pose in zip(qs, at, strict=True):
+            scene.move_target(pose)
+            one_by_one.append(scene.why_blocked(q))
+        first = next((i for i, why in enumerate(one_by_one) if why), None)
+        assert told == (None if first is None else (first, one_by_one[first]))
+        found.add("" if told is None else told[1].rpartition(" ")[2])
+    assert {"", "bleach_cleanser", "tray"} <= found
+
+
+def test_what_is_in_the_hand_leaves_its_tray_behind():
+    scene, q = with_target()
+    T_world_tcp = scene.kinematics.fk(q)
+    held = T_world_tcp[:3, 3] - 0.06 * T_world_tcp[:3, 2] - (0.0, 0.0, 0.12)
+    tray_from_object = np.array([0.8, 0.8, 0.1]) - held
+
+    def contact(left: Array, *, in_hand: bool = True) -> str:
+        Ts = [Pose.of(at).matrix[None] for at in (held, left)]
+        return (scene.first_contact(q[None], *Ts, in_hand=in_hand) or (0, ""))[1]
+
+    assert contact(np.array([5.0, 5.0, 0.5])) == ""
+    assert contact(np.array([5.0, 5.0, 0.5]), in_hand=False).endswith("too near to the bleach_cleanser")
+    assert contact(T_world_tcp[:3, 3] - tray_from_object).endswith("too near to the tray")
+
+
 def test_a_moved_obstacle_is_where_it_was_put():
     kinematics = load_kinematics("mico")
     scene = PlanningScene(kinematics)
