@@ -19,7 +19,7 @@ from backend.experiments.grid.estimate import Estimate, estimate_of
 from backend.experiments.grid.folder import plan_of, read_grid, store_file
 from backend.experiments.grid.queries import Order, Wanted, page_of, rows_so_far
 from backend.experiments.grid.row import GridRow
-from backend.experiments.grid.settings import JudgeName
+from backend.experiments.grid.settings import JudgeName, hash_of
 from backend.experiments.grid.store import Facts
 from backend.experiments.grid.writer import writing_since
 
@@ -109,8 +109,9 @@ class Runs:
     def _plan(self, facts: Facts) -> Plan:
         """Made once: a plan of all cells takes a moment."""
         with self._lock:
-            plan = self._plans.pop(facts.settings, None) or plan_of(facts)
-            self._plans[facts.settings] = plan
+            key = hash_of(facts.decided)
+            plan = self._plans.pop(key, None) or plan_of(facts)
+            self._plans[key] = plan
             while len(self._plans) > PLANS_KEPT:
                 self._plans.popitem(last=False)
             return plan

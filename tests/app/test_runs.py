@@ -214,8 +214,10 @@ def test_settings_are_those_of_the_rows_or_refused_with_the_difference(tmp_path:
         assert (runs.estimate(words).trials, runs.estimate(words).done) == (6, 1)
         with pytest.raises(GraspingError, match="Another grid is writing"):
             runs.start(words)
-    with pytest.raises(InvalidInputError, match="trials: 3 there, 5 asked for"):
-        runs.estimate(words.model_copy(update={"trials": 5}))
+    more = runs.estimate(words.model_copy(update={"trials": 5}))
+    assert (more.trials, more.done) == (10, 1)
+    with pytest.raises(InvalidInputError, match="trials: 3 there, 2 asked for"):
+        runs.estimate(words.model_copy(update={"trials": 2}))
     with pytest.raises(NotFoundError, match="runs no grid mine"):
         runs.process.stop("mine")
     assert runs.estimate(words.model_copy(update={"name": "new"})).done == 0

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from typing import Any
 
+from pydantic import ValidationError
+
 from backend.errors import InvalidInputError, NotFoundError
 from backend.experiments.grid.conditions import Conditions
 from backend.experiments.grid.settings import GridSettings
 from backend.methods import METHODS, Method
+from backend.objects import OBJECTS
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
 
 DECIDED_BY_THE_GRID = (
@@ -21,6 +25,8 @@ DECIDED_BY_THE_GRID = (
 """Not for ``set``: the grid's own words say them, or they are not conditions."""
 OF_NO_EFFECT = {"title", "description", "object", "seed"}
 """What a cell's scenario has beyond its conditions."""
+
+ANY_OBJECT = next(iter(OBJECTS))
 
 Group = tuple[str, str, str]
 """Robot, task and object: trials with the same index in one group begin identically."""
@@ -144,6 +150,22 @@ def make_plan(settings: GridSettings, starts: Mapping[Group, tuple[Start, ...]] 
             scenarios[robot, task, method] = with_overrides(furnished, of_methods)
     _check_methods_differ(scenarios, settings.methods)
     return Plan(settings, scenarios, starts)
+
+
+def up_to_date(decided: Mapping[str, Any]) -> dict[str, Any]:
+    """What a plan decided at some time, with the settings that scenarios have got since: their defaults change nothing.
+
+    Conditions that are none of a scenario any more are left as they are.
+    """
+
+    def now(cell: Any) -> Any:
+        try:
+            scenario = Scenario.model_validate_json(json.dumps({**cell, "title": "any", "object": ANY_OBJECT}))
+        except ValidationError:
+            return cell
+        return scenario.model_dump(mode="json", exclude=OF_NO_EFFECT)
+
+    return {**decided, "conditions": {name: now(cell) for name, cell in decided["conditions"].items()}}
 
 
 def scenario_of(robot: str, task: str) -> Scenario:

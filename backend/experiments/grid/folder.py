@@ -8,9 +8,9 @@ import math
 from pathlib import Path
 
 from backend.errors import InvalidInputError, NotFoundError
-from backend.experiments.grid.cells import Group, Plan, Start, make_plan
+from backend.experiments.grid.cells import Group, Plan, Start, make_plan, up_to_date
 from backend.experiments.grid.row import GridRow
-from backend.experiments.grid.settings import settings_from
+from backend.experiments.grid.settings import hash_of, settings_from
 from backend.experiments.grid.store import Facts, Store, open_store, read_store
 from backend.experiments.grid.trial_set import starts_of
 
@@ -39,7 +39,8 @@ def parse_shard(text: str) -> Shard:
 
 def facts_of(plan: Plan, trial_set: str | None) -> Facts:
     """What the store says of the grid of a plan."""
-    return Facts(plan.decided(), plan.settings.judge, trial_set)
+    decided = plan.decided()
+    return Facts(decided, plan.settings.judge, trial_set, hash_of(decided))
 
 
 def open_grid(folder: Path, plan: Plan, trial_set: str | None, shard: Shard) -> Store:
@@ -71,7 +72,7 @@ def plan_of(facts: Facts) -> Plan:
     if facts.trial_set is not None:
         starts = starts_of(facts.trial_set, "the grid's trial set")
     plan = make_plan(settings_from({**table, "judge": facts.judge}, "the grid's settings"), starts)
-    if plan.decided() != facts.decided:
+    if plan.decided() != up_to_date(facts.decided):
         raise InvalidInputError("The scenarios or methods of this project are not those the grid was run with.")
     return plan
 

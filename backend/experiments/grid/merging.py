@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from backend.errors import InvalidInputError, NotFoundError
-from backend.experiments.grid.folder import plan_of, salvaged, shard_files, store_file
-from backend.experiments.grid.settings import differences
-from backend.experiments.grid.store import Store, open_store, read_store
+from backend.experiments.grid.folder import plan_of, salvaged, shard_files, store_file, trials_of
+from backend.experiments.grid.store import Facts, Store, differing, open_store, read_store
 
 
 @dataclass
@@ -31,11 +30,20 @@ def merge(folder: Path, others: list[Path], *, salvage: bool = False) -> Merged:
     if not files:
         raise NotFoundError(f"There are no shards in {folder}; name the folders to merge into it.")
     merged = Merged()
-    with read_store(files[0], even_broken=salvage) as first, open_store(store_file(folder), first.facts) as target:
+    with open_store(store_file(folder), _most_trials(files, salvage)) as target:
         for file in files:
             with read_store(file, even_broken=salvage) as source:
                 _pour(source, target, merged, salvage)
     return merged
+
+
+def _most_trials(files: list[Path], salvage: bool) -> Facts:
+    """Facts of the file whose grid has the most trials; the others' are among them, or it will be said that not."""
+    facts = list[Facts]()
+    for file in files:
+        with read_store(file, even_broken=salvage) as source:
+            facts.append(source.facts)
+    return max(facts, key=trials_of)
 
 
 def _files(folder: Path) -> list[Path]:
@@ -48,8 +56,8 @@ def _files(folder: Path) -> list[Path]:
 def _pour(source: Store, target: Store, merged: Merged, salvage: bool) -> None:
     if source.path.resolve() == target.path.resolve():
         return
-    if differing := differences(target.facts.decided, source.facts.decided):
-        raise InvalidInputError(f"{source.path} is of another grid than {target.path}:\n  " + "\n  ".join(differing))
+    if lines := differing(source.facts, target.facts):
+        raise InvalidInputError(f"{source.path} is of another grid than {target.path}:\n  " + "\n  ".join(lines))
     there = target.keys()
     rows = salvaged(source, plan_of(source.facts).trials) if salvage else source.rows()
     merged.files += 1

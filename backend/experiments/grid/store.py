@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import sqlite3
 from collections.abc import Generator, Iterator, Sequence
-from contextlib import closing, contextmanager
-from dataclasses import dataclass
+from contextlib import ExitStack, closing, contextmanager
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import IO, Any, Self, get_type_hints
 
 from backend.errors import InvalidInputError, NotFoundError, StorageError
-from backend.experiments.grid.cells import Key
+from backend.experiments.grid.cells import Key, up_to_date
 from backend.experiments.grid.row import COLUMNS, GridRow
 from backend.experiments.grid.settings import differences, hash_of
 from backend.experiments.grid.writer import locked
@@ -39,11 +39,8 @@ class Facts:
     judge: str
     trial_set: str | None
     """The trial set's CSV text, where the starts come from one."""
-
-    @property
-    def settings(self) -> str:
-        """Hash of what is decided."""
-        return hash_of(self.decided)
+    settings: str
+    """Hash of what was decided when the store was begun; all its rows have it, also when trials are added later."""
 
 
 class Store:
@@ -116,23 +113,27 @@ class Store:
 def open_store(path: Path, facts: Facts) -> Store:
     """The store at ``path`` for writing, made if it is missing; nobody else writes to it until it is closed.
 
-    Raises ``InvalidInputError`` when it is of other settings (and says which), corrupt, in use, or can't be written.
+    One that was begun with fewer trials takes in the others. Raises ``InvalidInputError`` when it is of other settings
+    (and says which), corrupt, in use, or can't be written.
     """
-    lock = locked(path)
-    try:
+    with ExitStack() as opened:
+        lock = opened.enter_context(locked(path))
         with _explained(path):
             if not path.exists() or path.stat().st_size == 0:
                 _begin(path, facts)
-            connection = sqlite3.connect(path, isolation_level=None, timeout=BUSY_S)
+            connection = opened.enter_context(closing(sqlite3.connect(path, isolation_level=None, timeout=BUSY_S)))
             connection.execute("PRAGMA journal_mode = WAL")
             connection.execute("PRAGMA synchronous = FULL")
         _check_whole(path, connection)
-        store = Store(path, connection, facts, lock)
-        check_same(path, _facts(path, connection), facts)
-        return store
-    except BaseException:
-        lock.close()
-        raise
+        there = _facts(path, connection)
+        check_same(path, there, facts)
+        facts = replace(facts, settings=there.settings)
+        if facts.decided != there.decided:
+            with _explained(path):
+                update = "UPDATE facts SET value = ? WHERE name = 'decided'"
+                connection.execute(update, [json.dumps(facts.decided)])
+        opened.pop_all()
+        return Store(path, connection, facts, lock)
 
 
 def read_store(path: Path, *, even_broken: bool = False) -> Store:
@@ -151,17 +152,28 @@ def read_store(path: Path, *, even_broken: bool = False) -> Store:
 
 
 def check_same(path: Path, there: Facts, asked: Facts) -> None:
-    """Raise ``InvalidInputError`` that says how they differ when rows of one grid are not those of the other."""
-    if differing := differences(there.decided, asked.decided):
+    """Raise ``InvalidInputError`` when rows of one grid are not those of the other, that says how they differ."""
+    if lines := differing(there, asked):
         raise InvalidInputError(
-            f"{path} has rows of other settings; take another folder, or ask for the same:\n  " + "\n  ".join(differing)
+            f"{path} has rows of other settings; take another folder, or ask for the same:\n  " + "\n  ".join(lines)
         )
+
+
+def differing(there: Facts, asked: Facts) -> list[str]:
+    """How two grids differ, one line each.
+
+    Fewer trials there are no difference: they are the first of those asked for.
+    """
+    decided = up_to_date(there.decided)
+    if asked.trial_set is None and there.trial_set is None:
+        decided["trials"] = max(decided["trials"], asked.decided["trials"])
+    return differences(decided, up_to_date(asked.decided))
 
 
 def _begin(path: Path, facts: Facts) -> None:
     """A store without rows, there in one step: who reads finds all of it or nothing."""
     key = ", ".join(f'"{name}"' for name in KEY)
-    told = {"format": FORMAT, "decided": facts.decided, "judge": facts.judge, "trial_set": facts.trial_set}
+    told = {"format": FORMAT, **asdict(facts)}
     with closing(sqlite3.connect(":memory:", isolation_level=None)) as made:
         made.execute("CREATE TABLE facts (name TEXT PRIMARY KEY, value TEXT NOT NULL) STRICT")
         made.execute(f"CREATE TABLE trials ({SQL_COLUMNS}, UNIQUE ({key})) STRICT")
@@ -182,7 +194,8 @@ def _facts(path: Path, connection: sqlite3.Connection) -> Facts:
         told = {name: json.loads(value) for name, value in connection.execute("SELECT name, value FROM facts")}
     if told.get("format") != FORMAT:
         raise InvalidInputError(f"{path}: format {told.get('format')}; this version reads {FORMAT}.")
-    return Facts(told["decided"], told["judge"], told["trial_set"])
+    settings = told.get("settings") or hash_of(told["decided"])
+    return Facts(told["decided"], told["judge"], told["trial_set"], settings)
 
 
 @contextmanager

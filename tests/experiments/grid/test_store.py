@@ -9,12 +9,13 @@ import pytest
 from backend.errors import InvalidInputError, NotFoundError, StorageError
 from backend.experiments.grid.folder import facts_of, parse_shard, plan_of, read_grid
 from backend.experiments.grid.merging import merge
+from backend.experiments.grid.settings import hash_of
 from backend.experiments.grid.store import read_store
 from tests.experiments.grid.making import all_jobs, key, plan, row_of, store_in
 
 
-def fill(folder: Path, trials: int, name: str = "grid.sqlite", skip: int = 0) -> None:
-    of = plan(trials=trials)
+def fill(folder: Path, trials: int, name: str = "grid.sqlite", skip: int = 0, **changes: object) -> None:
+    of = plan(trials=trials, **changes)
     with store_in(folder, of, name) as store:
         for job in all_jobs(of)[skip:]:
             store.add(row_of(job))
@@ -53,8 +54,10 @@ def test_readers_see_rows_while_the_grid_runs(tmp_path: Path):
 
 def test_other_settings_are_refused_with_the_difference(tmp_path: Path):
     fill(tmp_path, 4)
-    with pytest.raises(InvalidInputError, match="trials: 4 there, 5 asked for"):
-        store_in(tmp_path, plan(trials=5))
+    with pytest.raises(InvalidInputError, match="trials: 4 there, 3 asked for"):
+        store_in(tmp_path, plan(trials=3))
+    with pytest.raises(InvalidInputError, match="first_seed: 0 there, 1 asked for"):
+        store_in(tmp_path, plan(trials=5, first_seed=1))
     with store_in(tmp_path, plan(trials=4, judge="authors")) as store:
         assert len(store.keys()) == 8
 
@@ -138,12 +141,44 @@ def test_rows_that_contradict_each_other_are_not_merged(tmp_path: Path):
 
 def test_grids_of_other_settings_are_not_merged(tmp_path: Path):
     fill(tmp_path / "a", 2)
-    fill(tmp_path / "b", 3)
+    fill(tmp_path / "b", 2, first_seed=7)
     for target, others in (("a", ["b"]), ("new", ["a", "b"])):
-        with pytest.raises(InvalidInputError, match=r"trials: 2 there, 3 asked for"):
+        with pytest.raises(InvalidInputError, match=r"first_seed: \d there, \d asked for"):
             merge(tmp_path / target, [tmp_path / other for other in others])
     with pytest.raises(NotFoundError, match="no rows of a grid"):
         merge(tmp_path / "a", [tmp_path / "none"])
+
+
+def test_more_trials_go_on_with_those_there_are_and_all_have_the_same_settings(tmp_path: Path):
+    fill(tmp_path / "a", 2)
+    with store_in(tmp_path / "a", plan(trials=5)) as store:
+        assert store.keys() == {job.key for job in all_jobs(plan(trials=2))}
+        assert store.facts.settings == hash_of(plan(trials=2).decided())
+    with read_grid(tmp_path / "a") as store:
+        assert store.facts.decided == plan(trials=5).decided()
+        assert store.facts.settings == hash_of(plan(trials=2).decided())
+
+
+@pytest.mark.parametrize("others", [["a", "b"], ["b", "a"]])
+def test_what_has_more_trials_takes_in_what_has_fewer(tmp_path: Path, others: list[str]):
+    fill(tmp_path / "a", 2)
+    fill(tmp_path / "b", 3)
+    merged = merge(tmp_path / "new", [tmp_path / other for other in others])
+    assert (merged.added, merged.there_already) == (6, 4)
+
+
+def test_settings_that_have_come_since_are_no_difference_at_their_defaults(tmp_path: Path):
+    fill(tmp_path, 2)
+    of_long_ago = plan(trials=2).decided()
+    for cell in of_long_ago["conditions"].values():
+        del cell["method"]["rehearsal"]
+    with sqlite3.connect(tmp_path / "grid.sqlite") as db:
+        db.execute("UPDATE facts SET value = ? WHERE name = 'decided'", (json.dumps(of_long_ago),))
+    db.close()
+    with store_in(tmp_path, plan(trials=2)) as store:
+        assert plan_of(store.facts).decided() == plan(trials=2).decided()
+    with pytest.raises(InvalidInputError, match="set"):
+        store_in(tmp_path, plan(trials=2, set=("method.rehearsal=false",)))
 
 
 def test_another_format_is_not_guessed_at(tmp_path: Path):
