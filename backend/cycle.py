@@ -16,9 +16,9 @@ from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
 from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
-from backend.pipeline.execute import CLOSE_AT_MOST_S, ApproachRequest, ArmState
+from backend.pipeline.execute import RIDE_S, ApproachRequest, ArmState
 from backend.pipeline.filter import RankContext, shortlist
-from backend.pipeline.horizon import Underway, horizon_s
+from backend.pipeline.horizon import Underway, horizons_s, in_time
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
@@ -95,34 +95,71 @@ class Cycle:
     def _rooms(self, start: CycleStart, predictor: Predictor, watch: _Stopwatch) -> CycleResult:
         ready_s = start.now_s + self._think.expected_s()
         result = CycleResult(start.number, start.observed_s, start.now_s + self._think.refused_s(0))
-        with watch("predict"):
-            arrive_s = ready_s + horizon_s(self.method.horizon, self._underway(start, ready_s))
-            prediction = predictor.predict(np.array([ready_s, arrive_s, arrive_s + self.method.execution.approach_s]))
-        if prediction is None:
+        if predictor.predict(np.array([ready_s])) is None:
             return replace(result, refused_by="predict", why="the object has not been seen yet")
+        arm = start.arm_at(ready_s)
+        with watch("predict"):
+            ways = horizons_s(
+                self.method.horizon,
+                self._underway(start, arm),
+                lambda t_s: seen_by(predictor, t_s),
+                self.kinematics,
+                self.limits,
+            )
+            ahead_s, only_in_time = next(ways)
+        found, picked = self._picked(start, arm, ahead_s, result, predictor, watch)
+        ik_calls = found.ik_calls
+        while not picked or (only_in_time and not in_time(arm, picked[0].goals[0].q_pregrasp, ahead_s, self.limits)):
+            ahead_s, only_in_time = next(ways, (None, False))
+            if ahead_s is None:
+                break
+            another, others = self._picked(start, arm, ahead_s, result, predictor, watch)
+            ik_calls += another.ik_calls
+            if others:
+                found, picked = another, others
+        charge_s = self._think.expected_s(ik_calls) if picked else self._think.refused_s(ik_calls)
+        result = replace(found, ik_calls=ik_calls, effective_s=start.now_s + charge_s)
+        if not picked:
+            return result
+        assert result.prediction is not None
+        self.scene.move_target(result.prediction.pose(1))
+        with watch("pick"):
+            picked, result = self._rehearsed(start, result, picked, predictor)
+        return self._move(start, result, picked, predictor, watch)
+
+    def _picked(
+        self,
+        start: CycleStart,
+        arm: ArmState,
+        ahead_s: float,
+        result: CycleResult,
+        predictor: Predictor,
+        watch: _Stopwatch,
+    ) -> tuple[CycleResult, tuple[Candidate, ...]]:
+        """The rooms from predict to pick, for a meeting ``ahead_s`` after thinking ends; nearest grasps first."""
+        with watch("predict"):
+            meeting_s = arm.t_s + ahead_s
+            times_s = np.array([arm.t_s, meeting_s, meeting_s + self.method.execution.approach_s])
+            prediction = predictor.predict(times_s)
+        assert prediction is not None
         result = replace(result, prediction=prediction)
         with watch("convert"):
             candidates = convert(self._grasps, prediction.pose(1), self.robot.backoff_m)
             self.scene.move_target(prediction.pose(1))
-        context = self._context(start, ready_s, prediction)
+        context = self._context(start, arm.t_s, prediction)
         with watch("filter"):
             short = shortlist(self.method.filter, candidates, context)
         result = replace(result, shortlist=short)
         if not short.kept:
-            return replace(result, refused_by="filter", why="no grasp of the database can be reached")
-        ik_calls = 2 * len(short.kept)
-        result = replace(result, ik_calls=ik_calls, effective_s=start.now_s + self._think.refused_s(ik_calls))
+            return replace(result, refused_by="filter", why="no grasp of the database can be reached"), ()
         with watch("pick"):
             picked, refused = pick_nearest(short, context)
         ways_rad = {candidate.index: candidate.joint_distance_rad for candidate in picked}
         short = replace(short, rejected={**short.rejected, **refused}, joint_distance_rad=ways_rad)
-        result = replace(result, shortlist=short)
+        result = replace(result, shortlist=short, ik_calls=2 * len(short.kept))
         if not picked:
-            return replace(result, refused_by="pick", why=next(iter(refused.values())))
-        result = replace(result, effective_s=start.now_s + self._think.expected_s(ik_calls))
-        with watch("pick"):
-            picked, result = self._rehearsed(start, result, picked, predictor)
-        return self._move(start, result, picked, predictor, watch)
+            result = replace(result, refused_by="pick", why=next(iter(refused.values())))
+        return result, picked
 
     def approach_request(self, arm: ArmState, T_object_grasp: Pose, predictor: Predictor) -> ApproachRequest:
         """The way in from ``arm`` to a grasp of the object, wherever that is predicted to be by then."""
@@ -132,7 +169,7 @@ class Cycle:
             T_object_grasp=T_object_grasp,
             backoff_m=self.robot.backoff_m,
             slide_s=self.method.execution.approach_s,
-            ride_s=CLOSE_AT_MOST_S,
+            ride_s=RIDE_S,
         )
 
     def _rehearsed(
@@ -193,12 +230,13 @@ class Cycle:
             return replace(result, trajectory=trajectory)
         return result
 
-    def _underway(self, start: CycleStart, ready_s: float) -> Underway | None:
+    def _underway(self, start: CycleStart, arm: ArmState) -> Underway | None:
         if start.held is None or start.previous is None:
             return None
-        tcp = self.kinematics.fk(start.arm_at(ready_s).q)
-        gap_m = float(np.linalg.norm(tcp[:3, 3] - start.held.T_world_pregrasp.xyz_m))
-        return Underway(gap_m, start.previous[1].end_s - ready_s)
+        trajectory = start.previous[1]
+        gap_m = float(np.linalg.norm(self.kinematics.fk(arm.q)[:3, 3] - start.held.T_world_pregrasp.xyz_m))
+        T_object_pregrasp = start.held.T_object_grasp @ Pose.of((0.0, 0.0, -self.robot.backoff_m))
+        return Underway(arm, trajectory.q[-1], trajectory.end_s - arm.t_s, T_object_pregrasp, gap_m)
 
     def _context(self, start: CycleStart, ready_s: float, prediction: Prediction) -> RankContext:
         return RankContext(

@@ -30,7 +30,9 @@ TRACKING_LAST_S = 0.25
 TRUST_S = 0.5
 """A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
-"""A grasp that is refused, by pick, in rehearsal or when going in, is not taken again for so long."""
+PUT_OFF_M = 0.1
+"""A grasp that is refused, by pick, in rehearsal or when going in, is not taken again for so long, or until the object
+has gone so far: what is refused in one place may do in another."""
 
 
 class Pilot:
@@ -101,7 +103,7 @@ class Pilot:
         self._busy_until_s = result.effective_s
         if result.shortlist is not None:
             refused = set(result.shortlist.kept) & set(result.shortlist.rejected)
-            self._put_off_until_s |= dict.fromkeys(refused, t_s + PUT_OFF_S)
+            self._put_off(refused, t_s)
             if result.picked is not None and result.picked.index not in refused | {start.trusted}:
                 self._trusted_until_s = t_s + TRUST_S
         self._got_to = max(self._got_to, _progress(result))
@@ -128,7 +130,7 @@ class Pilot:
         approach = self._cycle.rehearsal.approach(request)
         if isinstance(approach, Refusal):
             self.approach_refusal = approach.why
-            self._put_off_until_s[self._held.index] = t_s + PUT_OFF_S
+            self._put_off({self._held.index}, t_s)
             return False
         if self._has_way_to_go(request.arm.t_s):
             brushed = self._cycle.rehearsal.brushes(approach.trajectory, approach.slide_s, self._object_at)
@@ -138,6 +140,12 @@ class Pilot:
         self.approach_start_s = request.arm.t_s
         self._begin(approach)
         return True
+
+    def _put_off(self, grasps: set[int], t_s: float) -> None:
+        here, soon = self._object_at(np.array([t_s, t_s + PUT_OFF_S]))[:, :3, 3]
+        gone_m = float(np.linalg.norm(soon - here))
+        until_s = t_s + PUT_OFF_S * min(1.0, PUT_OFF_M / max(gone_m, 1e-9))
+        self._put_off_until_s |= dict.fromkeys(grasps, until_s)
 
     def _has_way_to_go(self, t_s: float) -> bool:
         """Whether the motion in force still leads nearer to the pregrasp then."""

@@ -165,11 +165,9 @@ class StepHorizon(Config):
 
 
 class Intercept(Config):
-    """As far ahead as the motion in force will still take: where arm and object meet."""
+    """As far ahead as arm and grasp will meet: when the motion in force ends, or later where the object is too fast."""
 
     kind: Literal["intercept"] = "intercept"
-    first_s: NonNegativeFloat = 2.0
-    """Before there is a motion."""
     longest_s: PositiveFloat = 8.0
     """Predictions reach no further."""
 

@@ -19,6 +19,8 @@ CHECK_EVERY = 4
 """Knots of the approach between two collision checks, 1/15 s."""
 LIFT_LOOKS = 4
 """Postures of the lift that are checked, first and last included."""
+MOST_AT_ONCE = 8
+"""So many ways in are tried in one cycle, give or take the branches of a grasp."""
 LOOK_EVERY_S = 0.1
 """Time between two looks at whether arm and moving object meet."""
 
@@ -47,15 +49,20 @@ class Rehearsal:
     ) -> tuple[tuple[Candidate, ...], dict[int, str]]:
         """The picked grasps from the first on that passes, on a branch that does, and why those before it do not.
 
-        ``trusted`` has passed a moment ago. When none passes, all are given back: there is time until then.
+        ``trusted`` has passed a moment ago. When none passes, or none of the first ``MOST_AT_ONCE`` ways in, all are
+        given back: there is time until then, and the next cycle tries others.
         """
         if not self.wanted:
             return picked, {}
         refused: dict[int, str] = {}
+        tried = 0
         for i, candidate in enumerate(picked):
             if candidate.index == trusted:
                 return picked[i:], refused
+            if tried >= MOST_AT_ONCE:
+                break
             for k, goal in enumerate(candidate.goals):
+                tried += 1
                 approach = self.approach(request(candidate, goal))
                 if not isinstance(approach, Refusal):
                     return (replace(candidate, goals=candidate.goals[k:]), *picked[i + 1 :]), refused

@@ -1,6 +1,6 @@
 """execute: Trajectory -> joint targets; approach, close, lift."""
 
-from backend.pipeline.execute.approach import Approach, ApproachRequest, correct_approach, plan_approach
+from backend.pipeline.execute.approach import RIDE_S, Approach, ApproachRequest, correct_approach, plan_approach
 from backend.pipeline.execute.blend import SHORTEST_LIFT_S, lift_way
 from backend.pipeline.execute.can_grasp import can_grasp
 from backend.pipeline.execute.cartesian import ArmState
@@ -10,6 +10,7 @@ from backend.pipeline.execute.lift import plan_lift
 
 __all__ = [
     "CLOSE_AT_MOST_S",
+    "RIDE_S",
     "SHORTEST_LIFT_S",
     "Approach",
     "ApproachRequest",

@@ -22,8 +22,12 @@ ALIGN_MPS = 0.06
 ALIGN_RPS = 0.6
 SHORTEST_ALIGN_S = 0.25
 """The hand settles onto the grasp's axis at about these speeds, and takes at least so long."""
+RATES_OVER_S = 0.01
+"""Half the time over which the hand's rates relative to the grasp are measured."""
 STRETCHES = 6
 LONGEST_S = 6.0
+RIDE_S = 0.9
+"""So long the hand rides along with the object at most; the fingers need 0.4 to 0.8 s to close."""
 CORRECT_FROM_M = 1.5e-3
 CORRECT_FROM_RAD = 0.01
 """A prediction for the arrival that differs by less is not worth a correction."""
@@ -120,15 +124,13 @@ def _stretch(ratio: float) -> float:
 
 
 def _relative_state(kinematics: Kinematics, request: ApproachRequest) -> tuple[Array, Array, Array]:
-    """T_grasp_tcp (4, 4) now, and its rates: (3,) m/s and (3,) rad/s in the grasp frame."""
+    """T_grasp_tcp (4, 4) now, and the rates of its position, (3,) m/s, and of its rotation vector, (3,) rad/s."""
     arm = request.arm
-    step_s = 0.02
-    Ts_grasp = request.object_at(np.array([arm.t_s, arm.t_s + step_s])) @ request.T_object_grasp.matrix
-    twist = kinematics.jacobian(arm.q) @ arm.qd
-    grasp_velocity = (Ts_grasp[1, :3, 3] - Ts_grasp[0, :3, 3]) / step_s
-    R_grasp_world = Ts_grasp[0, :3, :3].T
-    offset = inverse(Ts_grasp[0]) @ kinematics.fk(arm.q)
-    return offset, R_grasp_world @ (twist[:3] - grasp_velocity), R_grasp_world @ twist[3:]
+    steps_s = np.array([-RATES_OVER_S, 0.0, RATES_OVER_S])
+    Ts_grasp = request.object_at(arm.t_s + steps_s) @ request.T_object_grasp.matrix
+    before, now, after = inverse(Ts_grasp) @ kinematics.fk_many(arm.q + steps_s[:, None] * arm.qd)
+    spin = (rotvec(after[:3, :3]) - rotvec(before[:3, :3])) / (2.0 * RATES_OVER_S)
+    return now, (after[:3, 3] - before[:3, 3]) / (2.0 * RATES_OVER_S), spin
 
 
 def _followed(

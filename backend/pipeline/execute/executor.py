@@ -70,8 +70,10 @@ class Executor:
             self.phase = "close"
             self._closing = Closing(t_s, self._config.close_s, finger_rad)
             gripper.close()
-        elif self._closing is not None and self.phase == "close" and self._closing.over(t_s, STEP_S, finger_rad):
-            self._lift(t_s)
+        elif self._closing is not None and self.phase == "close":
+            closed = self._closing.over(t_s, STEP_S, finger_rad)
+            if closed or t_s >= self._current.end_s - STEP_S:
+                self._lift(t_s)
         elif self.phase == "lift" and t_s >= self._current.end_s and self._next is None:
             self.phase = "hold"
         elif self.phase == "hold" and t_s >= self._current.end_s + self._config.hold_s:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from backend.methods.method import Fast, RetimerConfig
 from backend.pipeline.retime.curve import Curve
+from backend.pipeline.retime.direct import direct
 from backend.pipeline.retime.lead_in import STILL_RPS, Approach, approaches
 from backend.pipeline.retime.limits import JointLimits
 from backend.pipeline.retime.two_pass import grid, timed, two_pass
@@ -39,8 +40,9 @@ def retime(
 ) -> Trajectory | Refusal:
     """The fastest trajectory from the path's first waypoint at ``qd_start`` to rest at its last.
 
-    Corners are rounded, and a velocity across the path is led into it, so the motion leaves the path a
-    little; ``free``, given postures (n, dof), says which touch nothing: a motion that touches is not taken.
+    A moving arm with but one edge before it goes ``direct``, if that touches nothing. Otherwise corners are rounded,
+    and a velocity across the path is led into it, so the motion leaves the path a little; ``free``, given postures
+    (n, dof), says which touch nothing: a motion that touches is not taken.
     """
     wrong = _malformed(path, qd_start, limits)
     if wrong is not None:
@@ -53,6 +55,10 @@ def retime(
     moving = float(np.linalg.norm(qd_start)) >= STILL_RPS
     if len(waypoints) == 1 and not moving:
         return Trajectory.hold(waypoints[0], start_s)
+    if moving and len(waypoints) <= 2:
+        quickest = direct(waypoints[0], qd_start, waypoints[-1], own)
+        if free is None or _is_free(quickest, free):
+            return quickest.shifted(start_s)
     best: Trajectory | None = None
     blocked = False
     timed = _timed_each(approaches(waypoints, qd_start, own), own, config)
@@ -132,6 +138,18 @@ def grid_marks(curve: Curve) -> Array:
 def _stays_free(curve: Curve, free: FreeEach) -> bool:
     count = max(3, int(np.ceil(curve.length / CHECK_SPACING_RAD)))
     s = np.linspace(0.0, curve.length, count)
-    ok = free(curve.at(s))
+    return _free_once_left(curve.at(s), s, free)
+
+
+def _is_free(trajectory: Trajectory, free: FreeEach) -> bool:
+    marks = np.concatenate([[0.0], np.linalg.norm(np.diff(trajectory.q, axis=0), axis=1).cumsum()])
+    count = max(3, int(np.ceil(marks[-1] / CHECK_SPACING_RAD)))
+    s = np.linspace(0.0, marks[-1], count)
+    return _free_once_left(trajectory.positions(np.interp(s, marks, trajectory.t_s)), s, free)
+
+
+def _free_once_left(postures: Array, ways_rad: Array, free: FreeEach) -> bool:
+    """Whether a motion through postures (n, dof), so far along it, is free but for its very beginning."""
+    ok = free(postures)
     first = int(np.argmax(ok))
-    return bool(ok[first:].all()) and s[first] <= MOST_LEAVING_RAD
+    return bool(ok[first:].all()) and ways_rad[first] <= MOST_LEAVING_RAD
