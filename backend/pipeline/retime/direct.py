@@ -5,13 +5,15 @@ how long it takes; the others choose the speed with which they arrive together w
 """
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backend.pipeline.retime.limits import JointLimits
 from backend.pose import Array
 from backend.trajectory import Trajectory
 
-SHORTEST_S = 1e-3
-SAME_KNOT_S = 1e-6
+STEP_S = 1e-4
+"""All changes of acceleration are at multiples of it, so that no piece of a motion is too short to reckon with."""
+SHORTEST_STEPS = 10
 
 
 def least_s(q: Array, qd: Array, goals: Array, limits: JointLimits) -> Array:
@@ -28,21 +30,25 @@ def least_s(q: Array, qd: Array, goals: Array, limits: JointLimits) -> Array:
 
 def direct(q: Array, qd: Array, goal: Array, limits: JointLimits) -> Trajectory:
     """From ``q`` (dof,) at ``qd`` (dof,) to rest at ``goal`` (dof,), beginning at time zero."""
-    T = max(float(least_s(q, qd, goal[None], limits)[0]), SHORTEST_S)
-    a = limits.acceleration_rps2
-    kept = _speed_kept(goal - q, qd, a, T)
-    reached_s = np.minimum(np.abs(kept - qd) / a, T)
-    leave_s = np.maximum(T - np.abs(kept) / a, reached_s)
-    knots = np.unique(np.concatenate([[0.0, T], reached_s, leave_s]))
-    t = knots[np.concatenate([[True], np.diff(knots) > SAME_KNOT_S])]
-    t[-1] = T
-    first, last = np.minimum(t[:, None], reached_s), np.maximum(t[:, None] - leave_s, 0.0)
-    middle = np.clip(t[:, None] - reached_s, 0.0, leave_s - reached_s)
-    up, down = a * np.sign(kept - qd), -a * np.sign(kept)
-    qs = q + first * (qd + 0.5 * up * first) + kept * (middle + last) + 0.5 * down * last**2
-    qds = qd + up * first + down * last
+    a, way = limits.acceleration_rps2, goal - q
+    steps = max(_steps(least_s(q, qd, goal[None], limits))[0] + 1, SHORTEST_STEPS)
+    kept = _speed_kept(way, qd, a, steps * STEP_S)
+    braking = np.clip(_steps(np.abs(kept) / a), 1, steps - 1)
+    speeding = np.clip(_steps(np.abs(kept - qd) / a), 1, steps - braking)
+    kept = (way / STEP_S - 0.5 * speeding * qd) / (steps - 0.5 * (speeding + braking))
+    knots = np.unique(np.concatenate([[0, steps], speeding, steps - braking]))
+    first = np.minimum(knots[:, None], speeding) / speeding
+    last = np.maximum(knots[:, None] - (steps - braking), 0) / braking
+    middle = np.clip(knots[:, None] - speeding, 0, steps - braking - speeding)
+    ways = speeding * first * (qd + 0.5 * first * (kept - qd)) + kept * (middle + braking * last * (1.0 - 0.5 * last))
+    qs, qds = q + STEP_S * ways, qd + first * (kept - qd) - last * kept
     qs[-1], qds[-1] = goal, 0.0
-    return Trajectory(t, qs, qds)
+    return Trajectory(STEP_S * knots, qs, qds)
+
+
+def _steps(duration_s: Array) -> NDArray[np.int64]:
+    """Steps that last at least so long, give or take a rounding."""
+    return np.ceil(duration_s / STEP_S - 1e-6).astype(np.int64)
 
 
 def _speed_kept(way: Array, rate: Array, a: Array, T: float) -> Array:
