@@ -11,9 +11,15 @@ from backend.pipeline.retime.limits import JointLimits
 from backend.pose import Array
 from backend.trajectory import Trajectory
 
+Integers = NDArray[np.int64]
+
 STEP_S = 1e-4
 """All changes of acceleration are at multiples of it, so that no piece of a motion is too short to reckon with."""
 SHORTEST_STEPS = 10
+SPARE_STEPS, MOST_SPARE_STEPS = 3, 48
+"""Beyond the least time, so that rounding to steps makes no joint speed up or brake harder than it may."""
+HARDEST = 1.005
+"""Of the acceleration limit, here."""
 
 
 def least_s(q: Array, qd: Array, goals: Array, limits: JointLimits) -> Array:
@@ -31,11 +37,12 @@ def least_s(q: Array, qd: Array, goals: Array, limits: JointLimits) -> Array:
 def direct(q: Array, qd: Array, goal: Array, limits: JointLimits) -> Trajectory:
     """From ``q`` (dof,) at ``qd`` (dof,) to rest at ``goal`` (dof,), beginning at time zero."""
     a, way = limits.acceleration_rps2, goal - q
-    steps = max(_steps(least_s(q, qd, goal[None], limits))[0] + 1, SHORTEST_STEPS)
-    kept = _speed_kept(way, qd, a, steps * STEP_S)
-    braking = np.clip(_steps(np.abs(kept) / a), 1, steps - 1)
-    speeding = np.clip(_steps(np.abs(kept - qd) / a), 1, steps - braking)
-    kept = (way / STEP_S - 0.5 * speeding * qd) / (steps - 0.5 * (speeding + braking))
+    least = max(int(_steps(least_s(q, qd, goal[None], limits))[0]), SHORTEST_STEPS)
+    spare, (kept, speeding, braking) = SPARE_STEPS, _in_steps(way, qd, a, least + SPARE_STEPS)
+    while spare < MOST_SPARE_STEPS and not _soft(kept, qd, speeding, braking, a):
+        spare *= 2
+        kept, speeding, braking = _in_steps(way, qd, a, least + spare)
+    steps = least + spare
     knots = np.unique(np.concatenate([[0, steps], speeding, steps - braking]))
     first = np.minimum(knots[:, None], speeding) / speeding
     last = np.maximum(knots[:, None] - (steps - braking), 0) / braking
@@ -46,7 +53,21 @@ def direct(q: Array, qd: Array, goal: Array, limits: JointLimits) -> Trajectory:
     return Trajectory(STEP_S * knots, qs, qds)
 
 
-def _steps(duration_s: Array) -> NDArray[np.int64]:
+def _in_steps(way: Array, qd: Array, a: Array, steps: int) -> tuple[Array, Integers, Integers]:
+    """(dof,) the speed that each joint keeps, and the steps in which it comes to it, and from it to rest."""
+    kept = _speed_kept(way, qd, a, steps * STEP_S)
+    braking = np.clip(_steps(np.abs(kept) / a) + 1, 1, steps - 1)
+    speeding = np.clip(_steps(np.abs(kept - qd) / a) + 1, 1, steps - braking)
+    return (way / STEP_S - 0.5 * speeding * qd) / (steps - 0.5 * (speeding + braking)), speeding, braking
+
+
+def _soft(kept: Array, qd: Array, speeding: Integers, braking: Integers, a: Array) -> bool:
+    """Whether no joint speeds up or brakes harder than it may."""
+    changes = np.maximum(np.abs(kept - qd) / speeding, np.abs(kept) / braking)
+    return bool((changes <= HARDEST * STEP_S * a).all())
+
+
+def _steps(duration_s: Array) -> Integers:
     """Steps that last at least so long, give or take a rounding."""
     return np.ceil(duration_s / STEP_S - 1e-6).astype(np.int64)
 
