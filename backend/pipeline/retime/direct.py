@@ -17,7 +17,7 @@ STEP_S = 1e-4
 """All changes of acceleration are at multiples of it, so that no piece of a motion is too short to reckon with."""
 SHORTEST_STEPS = 10
 SPARE_STEPS, MOST_SPARE_STEPS = 3, 48
-"""Beyond the least time, so that rounding to steps makes no joint speed up or brake harder than it may."""
+"""Beyond the least time, so that rounding to steps takes no joint beyond its limits."""
 HARDEST = 1.005
 """Of the acceleration limit, here."""
 
@@ -39,7 +39,7 @@ def direct(q: Array, qd: Array, goal: Array, limits: JointLimits) -> Trajectory:
     a, way = limits.acceleration_rps2, goal - q
     least = max(int(_steps(least_s(q, qd, goal[None], limits))[0]), SHORTEST_STEPS)
     spare, (kept, speeding, braking) = SPARE_STEPS, _in_steps(way, qd, a, least + SPARE_STEPS)
-    while spare < MOST_SPARE_STEPS and not _soft(kept, qd, speeding, braking, a):
+    while spare < MOST_SPARE_STEPS and not _within(limits, kept, qd, speeding, braking):
         spare *= 2
         kept, speeding, braking = _in_steps(way, qd, a, least + spare)
     steps = least + spare
@@ -61,10 +61,11 @@ def _in_steps(way: Array, qd: Array, a: Array, steps: int) -> tuple[Array, Integ
     return (way / STEP_S - 0.5 * speeding * qd) / (steps - 0.5 * (speeding + braking)), speeding, braking
 
 
-def _soft(kept: Array, qd: Array, speeding: Integers, braking: Integers, a: Array) -> bool:
-    """Whether no joint speeds up or brakes harder than it may."""
+def _within(limits: JointLimits, kept: Array, qd: Array, speeding: Integers, braking: Integers) -> bool:
+    """Whether no joint speeds up or brakes harder than it may, nor keeps a speed beyond its limit."""
     changes = np.maximum(np.abs(kept - qd) / speeding, np.abs(kept) / braking)
-    return bool((changes <= HARDEST * STEP_S * a).all())
+    soft = changes <= HARDEST * STEP_S * limits.acceleration_rps2
+    return bool((soft & (np.abs(kept) <= limits.velocity_rps)).all())
 
 
 def _steps(duration_s: Array) -> Integers:
