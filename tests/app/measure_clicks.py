@@ -96,10 +96,10 @@ def measure(served: Served, page: Page, times: int) -> dict[str, tuple[float, li
     tab(page, "Scenario")
     for running in (False, True):
         name, limit_s = ("running", RUNNING_S) if running else ("paused", PAUSED_S)
-        begin_anew(served)
-        served.command(kind="set_paused", paused=not running)
-        page.wait_for_timeout(2000)
         for (label, said), _ in zip(cycle(BELT.items()), range(times), strict=False):
+            begin_anew(served)
+            served.command(kind="set_paused", paused=not running)
+            page.wait_for_timeout(1000)
             click = button(page, label).click
             see(Deed(f"{name}: belt's direction", limit_s, lambda _, click=click: click(), SAID % (said, said)))
     begin_anew(served)

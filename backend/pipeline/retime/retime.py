@@ -20,7 +20,7 @@ from backend.trajectory import Path, Trajectory
 
 FreeEach = Callable[[Array], NDArray[np.bool_]]
 
-VELOCITY_SHARE = 0.997
+VELOCITY_SHARE = 0.996
 ACCELERATION_SHARE = 0.97
 """Shares of the limits that are used; the rest is for the curve between grid points."""
 CANDIDATES = 3
