@@ -106,23 +106,18 @@ class Cycle:
                 self.kinematics,
                 self.limits,
             )
-            ahead_s, only_in_time = next(ways)
-        found, picked = self._picked(start, arm, ahead_s, result, predictor, watch)
-        ik_calls = found.ik_calls
-        while not picked or (only_in_time and not in_time(arm, picked[0].goals[0].q_pregrasp, ahead_s, self.limits)):
-            ahead_s, only_in_time = next(ways, (None, False))
-            if ahead_s is None:
+        found, picked, ik_calls = result, (), 0
+        for ahead_s, only_in_time in ways:
+            tried, others = self._picked(start, arm, ahead_s, result, predictor, watch)
+            ik_calls += tried.ik_calls
+            if others or found is result:
+                found, picked = tried, others
+            if others and not (only_in_time and not in_time(arm, others[0].goals[0].q_pregrasp, ahead_s, self.limits)):
                 break
-            another, others = self._picked(start, arm, ahead_s, result, predictor, watch)
-            ik_calls += another.ik_calls
-            if others:
-                found, picked = another, others
         charge_s = self._think.expected_s(ik_calls) if picked else self._think.refused_s(ik_calls)
         result = replace(found, ik_calls=ik_calls, effective_s=start.now_s + charge_s)
         if not picked:
             return result
-        assert result.prediction is not None
-        self.scene.move_target(result.prediction.pose(1))
         with watch("pick"):
             picked, result = self._rehearsed(start, result, picked, predictor)
         return self._move(start, result, picked, predictor, watch)

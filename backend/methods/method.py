@@ -145,7 +145,7 @@ class Toppra(Config):
 
 
 class Fast(Config):
-    """As ``Toppra``, by an own compiled forward-backward pass."""
+    """As ``Toppra``, by an own compiled pass; a moving arm with one straight edge before it takes the least time."""
 
     kind: Literal["fast"] = "fast"
 

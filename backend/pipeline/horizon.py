@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -41,16 +40,16 @@ class Underway:
 
 def horizons_s(
     config: HorizonConfig, underway: Underway | None, object_at: ObjectAt, kinematics: Kinematics, limits: JointLimits
-) -> Iterator[tuple[float, bool]]:
+) -> tuple[tuple[float, bool], ...]:
     """Seconds ahead, to be tried in turn until a grasp can be picked, and whether it must be reached in time."""
     if isinstance(config, Intercept):
-        if underway is not None:
-            yield _meeting_s(config, underway, object_at, kinematics, limits), False
-        yield from ((ahead_s, True) for ahead_s in ANEW_S if ahead_s <= config.longest_s)
-    elif underway is None or underway.hand_to_pregrasp_m > config.far_m:
-        yield config.far_s, False
-    else:
-        yield config.middle_s if underway.hand_to_pregrasp_m > config.near_m else config.near_s, False
+        anew = tuple((ahead_s, True) for ahead_s in ANEW_S if ahead_s <= config.longest_s)
+        if underway is None:
+            return anew or ((config.longest_s, True),)
+        return ((_meeting_s(config, underway, object_at, kinematics, limits), False), *anew)
+    if underway is None or underway.hand_to_pregrasp_m > config.far_m:
+        return ((config.far_s, False),)
+    return ((config.middle_s if underway.hand_to_pregrasp_m > config.near_m else config.near_s, False),)
 
 
 def in_time(arm: ArmState, goal: Array, ahead_s: float, limits: JointLimits) -> bool:

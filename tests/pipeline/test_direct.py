@@ -7,9 +7,12 @@ from hypothesis import strategies as st
 from ruckig import InputParameter, Result, Ruckig
 from ruckig import Trajectory as RuckigTrajectory
 
+from backend.methods.method import Fast, Toppra
+from backend.pipeline.retime import retime
 from backend.pipeline.retime.direct import direct, least_s
 from backend.pipeline.retime.limits import JointLimits
 from backend.pose import Array
+from backend.trajectory import Path, Trajectory
 
 DOF = 6
 SEEDS = st.integers(0, 10_000)
@@ -62,6 +65,15 @@ def test_begun_again_on_the_way_it_ends_hardly_later(seed: int, share: float):
     now_s = share * motion.end_s
     again = direct(*motion.sample(now_s), goal, limits)
     assert now_s + again.end_s <= motion.end_s + 0.02
+
+
+def test_the_retimer_that_was_chosen_is_the_one_that_times():
+    q, qd, goal, limits = problem(4)
+    path = Path(np.stack([q, goal]))
+    fast, toppra = (retime(path, qd, limits, 0.0, config) for config in (Fast(), Toppra()))
+    assert isinstance(fast, Trajectory) and isinstance(toppra, Trajectory)
+    assert fast.end_s == pytest.approx(ruckigs_s(q, qd, goal, limits), rel=0.04)
+    assert toppra.end_s > fast.end_s and len(toppra.t_s) > len(fast.t_s)
 
 
 def test_who_is_there_and_at_rest_stays():

@@ -66,6 +66,7 @@ def test_what_can_be_met_nowhere_is_gone_to_when_the_motion_ends():
 
 def test_where_there_is_nothing_to_go_on_with_the_earliest_times_come_first():
     assert horizons(Intercept(longest_s=5.0), None, moving(0.03, 5.0)) == [(s, True) for s in ANEW_S if s <= 5.0]
+    assert horizons(Intercept(longest_s=0.5), None, moving(0.03, 5.0)) == [(0.5, True)]
     assert [s for s, _ in horizons(Intercept(), underway(0.3), moving(0.0, 0.0))][1:] == list(ANEW_S)
 
 

@@ -30,7 +30,8 @@ def merge(folder: Path, others: list[Path], *, salvage: bool = False) -> Merged:
     if not files:
         raise NotFoundError(f"There are no shards in {folder}; name the folders to merge into it.")
     merged = Merged()
-    with open_store(store_file(folder), _most_trials(files, salvage)) as target:
+    own = store_file(folder)
+    with open_store(own, _most_trials([*files, own] if own.is_file() else files, salvage)) as target:
         for file in files:
             with read_store(file, even_broken=salvage) as source:
                 _pour(source, target, merged, salvage)

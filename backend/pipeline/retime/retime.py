@@ -40,9 +40,9 @@ def retime(
 ) -> Trajectory | Refusal:
     """The fastest trajectory from the path's first waypoint at ``qd_start`` to rest at its last.
 
-    A moving arm with but one edge before it goes ``direct``, if that touches nothing. Otherwise corners are rounded,
-    and a velocity across the path is led into it, so the motion leaves the path a little; ``free``, given postures
-    (n, dof), says which touch nothing: a motion that touches is not taken.
+    With ``Fast``, a moving arm with but one edge before it goes ``direct``, if that touches nothing. Otherwise corners
+    are rounded, and a velocity across the path is led into it, so the motion leaves the path a little; ``free``, given
+    postures (n, dof), says which touch nothing: a motion that touches is not taken.
     """
     wrong = _malformed(path, qd_start, limits)
     if wrong is not None:
@@ -55,7 +55,7 @@ def retime(
     moving = float(np.linalg.norm(qd_start)) >= STILL_RPS
     if len(waypoints) == 1 and not moving:
         return Trajectory.hold(waypoints[0], start_s)
-    if moving and len(waypoints) <= 2:
+    if isinstance(config, Fast) and moving and len(waypoints) <= 2:
         quickest = direct(waypoints[0], qd_start, waypoints[-1], own)
         if free is None or _is_free(quickest, free):
             return quickest.shifted(start_s)

@@ -165,6 +165,8 @@ def test_what_has_more_trials_takes_in_what_has_fewer(tmp_path: Path, others: li
     fill(tmp_path / "b", 3)
     merged = merge(tmp_path / "new", [tmp_path / other for other in others])
     assert (merged.added, merged.there_already) == (6, 4)
+    again = merge(tmp_path / "b", [tmp_path / "a"])
+    assert (again.added, again.there_already) == (0, 4)
 
 
 def test_settings_that_have_come_since_are_no_difference_at_their_defaults(tmp_path: Path):
