@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from backend.cycle import Cycle
-from backend.drawing import drawn_by, generators
+from backend.drawing import generators, setup_by
 from backend.errors import SimulationError
 from backend.events import MoveObstacle, TimedEvent, WorldEvent
 from backend.kinematics import load_kinematics
@@ -30,7 +30,6 @@ from backend.sim.planning_scene import PlanningScene
 from backend.sim.world import World
 from backend.snapshot import SceneDescription, Snapshot
 from backend.tasks.judge import Judge
-from backend.tasks.setup import TrialSetup
 from backend.trajectory import Trajectory
 
 STEPS_PER_TICK = 8
@@ -40,8 +39,8 @@ STEPS_PER_TICK = 8
 class Episode:
     """One trial: a world, the robot's belief about it, and the loop that lets the robot act."""
 
-    def __init__(self, scenario: Scenario, seed: int | None = None, setup: TrialSetup | None = None) -> None:
-        """``setup`` is how the trial begins; without one it is drawn from the seed."""
+    def __init__(self, scenario: Scenario, seed: int | None = None) -> None:
+        """Raises ``InvalidInputError`` when no trial can begin so."""
         self.scenario = scenario
         self.seed = scenario.seed if seed is None else seed
         self.recorder = Recorder(scenario, self.seed)
@@ -49,7 +48,7 @@ class Episode:
         kinematics = load_kinematics(scenario.robot)
         home = np.array(model.description.home_rad)
         task_rng, sense_rng, cycle_rng = generators(scenario, self.seed)
-        self.setup = setup or drawn_by(scenario, task_rng)
+        self.setup = setup_by(scenario, task_rng)
         self.world = World(model, scenario.object, self.setup)
         self._judge = Judge(self.world)
         self._sensor = Sensor(scenario.sensing, sense_rng)

@@ -169,7 +169,7 @@ def test_a_method_table_changes_only_what_it_names(tmp_path: Path):
             "title",
             "zzz = 1\ntitle",
             "zzz: extra inputs are not permitted (got 1). Available: description, events, method, object, "
-            "profile, robot, seed, sensing, task, timing, title.",
+            "profile, robot, seed, sensing, start, task, timing, title.",
         ),
         (
             "speed_mps = 0.05",

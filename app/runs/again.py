@@ -8,9 +8,9 @@ from app.commands import Restart
 from app.permalink import address_of
 from app.state import SessionState
 from backend.errors import GraspingError, InvalidInputError
-from backend.experiments.grid.beginning import setup_of_job
 from backend.experiments.grid.cells import Job, Plan, scenario_name_of
 from backend.experiments.grid.row import GridRow
+from backend.scenario import to_toml
 
 LARGEST_SEED = 2**31 - 1
 Replay = Literal["elsewhere", "running", "same", "different"]
@@ -24,13 +24,14 @@ def restart_of(plan: Plan, row: GridRow) -> Restart:
     job = plan.job(row.key)
     if job.seed > LARGEST_SEED:
         raise InvalidInputError(f"The page has seeds up to {LARGEST_SEED}. {_headless(job)}")
-    if setup_of_job(job) is not None:
-        raise InvalidInputError(f"This trial begins as a table says, not as its seed does. {_headless(job)}")
+    name = scenario_name_of(row.robot, row.task)
+    if job.scenario.start is not None:
+        return Restart(scenario=name, seed=job.seed, file=to_toml(job.scenario), overrides={})
     settings = plan.settings
     fields = dict(_parted(override) for override in settings.set)
     decided = {"object": row.object, "method": row.method, "profile": settings.profile}
     return Restart(
-        scenario=scenario_name_of(row.robot, row.task),
+        scenario=name,
         seed=job.seed,
         overrides={**decided, "timing.think": settings.think, **fields},
     )

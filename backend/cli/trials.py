@@ -5,8 +5,7 @@ import json
 from pathlib import Path
 
 from backend.errors import InvalidInputError, StorageError, lookup
-from backend.experiments.grid.conditions import Conditions
-from backend.experiments.grid.trial_set import drawn_set, to_csv
+from backend.experiments.grid.trial_set import Row, drawn_set, to_csv
 from backend.files import replacing
 from backend.objects import object_names
 from backend.scenario import load_scenario
@@ -20,7 +19,7 @@ def run(options: argparse.Namespace) -> int:
             raise InvalidInputError(f"{flag} must be at least {least} (got {getattr(options, name)})")
     for name in options.objects or ():
         lookup("object", name, dict.fromkeys(object_names()))
-    rows: list[Conditions] = []
+    rows: list[Row] = []
     for task in options.task:
         scenario = load_scenario(task)
         rows += drawn_set(scenario, options.objects or [scenario.object], options.n, options.first_seed)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from backend.config import Config, Probability
@@ -15,6 +15,7 @@ from backend.methods import METHODS, Method
 from backend.objects import object_names
 from backend.robots.description import ProfileName
 from backend.tasks import Task
+from backend.tasks.start import Start, read_start
 
 T = TypeVar("T")
 Table = dict[str, Any]
@@ -60,6 +61,8 @@ class Scenario(Config):
     """Of the trial when none is asked for."""
     events: tuple[TimedEvent, ...] = ()
     """Live edits, repeated at their ticks."""
+    start: Start | None = None
+    """Where object, belt, slab and obstacles are, as in a row of a trial set; without it the seed draws them."""
 
     @field_validator("robot")
     @classmethod
@@ -81,6 +84,18 @@ class Scenario(Config):
         if isinstance(value, str):
             return known("method", value, METHODS)
         return method_table(value) if isinstance(value, dict) else value
+
+    @field_validator("start")
+    @classmethod
+    def _start_fits(cls, value: Start | None, so_far: ValidationInfo) -> Start | None:
+        task: Task | None = so_far.data.get("task")
+        if value is None or task is None:
+            return value
+        start, wrong = read_start(task.kind, value)
+        if wrong:
+            text = "; ".join(f"{column}: {complaint}" for column, complaint in wrong)
+            raise PydanticCustomError("start", "{text}", {"text": text})
+        return start
 
     @field_validator("events", mode="before")
     @classmethod

@@ -13,7 +13,7 @@ from backend.errors import InvalidInputError
 from backend.scenario.model import Scenario
 from backend.scenario.settings import model_at
 
-SPEAKS_FOR_ITSELF = ("unknown_name", "method_name")
+SPEAKS_FOR_ITSELF = ("unknown_name", "method_name", "start")
 """Errors whose text needs no repetition of the value."""
 
 

@@ -21,9 +21,11 @@ from app.ui.panels.settings import from_screen, on_screen
 from app.ui.progress import Tally
 from app.ui.units import SUFFIXES, split_unit
 from backend.config import Config
+from backend.drawing import setup_of_seed
 from backend.errors import InvalidInputError
 from backend.methods import METHODS
-from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
+from backend.scenario import Scenario, load_scenario, scenario_names, to_toml, with_overrides
+from backend.tasks.start import start_of
 from tests.app.fake_episode import FakeEngine
 
 PARTS = ("task", "sensing", "timing", "profile", "method")
@@ -174,3 +176,11 @@ def test_the_method_panel_follows_the_kind_that_is_set(server: viser.ViserServer
     assert labels() == ["Acceleration std, cm/s²", "Measurement std, cm"]
     assert labels(method__predictor__kind="constant_velocity") == ["Window, s"]
     assert labels(method__predictor__kind="lstm") == []
+
+
+def test_a_trial_that_begins_as_its_file_says_has_no_task_to_set(server: viser.ViserServer) -> None:
+    scenario = load_scenario("ur5_linear")
+    begun = scenario.model_copy(update={"start": start_of(setup_of_seed(scenario, 0))})
+    session = Session(FakeEngine(), Restart(scenario="mine", file=to_toml(begun), overrides={}))
+    with pytest.raises(InvalidInputError, match=r"\[start\]"):
+        Desk(server, session).restart(overrides={"task.speed_mps": 0.03})

@@ -74,6 +74,7 @@ def what(state: SessionState) -> str:
     settings, edits = len(state.restart.overrides), len(state.events)
     parts = [f"Opens {state.info.scenario}, seed {state.restart.seed}"]
     parts += [f"{settings} setting{'s' * (settings > 1)} changed"] if settings else []
+    parts += ["begun as its file says"] if state.info.values.start else []
     parts += [f"beside {state.restart.compare}"] if state.restart.compare else []
     parts += [f"{edits} live edit{'s' * (edits > 1)}"] if edits else []
     return ", ".join(parts) + "."

@@ -12,18 +12,18 @@ from typing import Any
 from pydantic import ValidationError
 
 from backend.errors import InvalidInputError, NotFoundError
-from backend.experiments.grid.conditions import Conditions
 from backend.experiments.grid.settings import GridSettings
 from backend.methods import METHODS, Method
 from backend.objects import OBJECTS
 from backend.scenario import Scenario, load_scenario, scenario_names, with_overrides
+from backend.tasks.start import Start
 
 DECIDED_BY_THE_GRID = (
     *("robot", "object", "method", "method.name", "method.title", "profile", "seed", "title", "description"),
     *("timing.think", "task.kind"),
 )
 """Not for ``set``: the grid's own words say them, or they are not conditions."""
-OF_NO_EFFECT = {"title", "description", "object", "seed"}
+OF_NO_EFFECT = {"title", "description", "object", "seed", "start"}
 """What a cell's scenario has beyond its conditions."""
 
 ANY_OBJECT = next(iter(OBJECTS))
@@ -65,12 +65,10 @@ class Job:
     key: Key
     scenario: Scenario
     seed: int
-    conditions: Conditions | None = None
-    """How the trial begins, where a trial set says it; None: drawn from the seed."""
 
 
-Start = tuple[int, Conditions | None]
-"""Seed and, where a trial set says it, how the trial begins."""
+Beginning = tuple[int, Start | None]
+"""Seed and, where a trial set says it, how the trial begins; None: drawn from the seed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +77,8 @@ class Plan:
 
     settings: GridSettings
     scenarios: Mapping[tuple[str, str, str], Scenario]
-    """Robot, task, method -> the scenario, whose object and seed are replaced by each trial's."""
-    starts: Mapping[Group, tuple[Start, ...]]
+    """Robot, task, method -> the scenario, whose object, seed and start are replaced by each trial's."""
+    starts: Mapping[Group, tuple[Beginning, ...]]
 
     @property
     def groups(self) -> list[Group]:
@@ -123,14 +121,14 @@ class Plan:
                 f"The grid has no trial {key}. Robots: {', '.join(s.robots)}. Tasks: {', '.join(s.tasks)}. "
                 f"Objects: {', '.join(s.objects)}. Methods: {', '.join(s.methods)}. Indices: 0 to {most - 1}."
             )
-        seed, conditions = starts[key.index]
-        return Job(key, scenario.model_copy(update={"object": key.object, "seed": seed}), seed, conditions)
+        seed, start = starts[key.index]
+        return Job(key, scenario.model_copy(update={"object": key.object, "seed": seed, "start": start}), seed)
 
     def _keys(self, group: Group, index: int) -> list[Key]:
         return [Key(*group, method, index) for method in self.settings.methods]
 
 
-def make_plan(settings: GridSettings, starts: Mapping[Group, tuple[Start, ...]] | None = None) -> Plan:
+def make_plan(settings: GridSettings, starts: Mapping[Group, tuple[Beginning, ...]] | None = None) -> Plan:
     """The plan of a grid; ``starts`` come from a trial set.
 
     Raises ``InvalidInputError`` for settings that no trial can have, ``NotFoundError`` for a robot and task without a
@@ -189,15 +187,15 @@ def _cells_of_files() -> dict[str, tuple[str, str]]:
     return {name: (scenario.robot, scenario.task.kind) for name, scenario in scenarios.items()}
 
 
-def _drawn(settings: GridSettings) -> dict[Group, tuple[Start, ...]]:
-    starts: tuple[Start, ...] = tuple((settings.first_seed + i, None) for i in range(settings.trials))
+def _drawn(settings: GridSettings) -> dict[Group, tuple[Beginning, ...]]:
+    starts: tuple[Beginning, ...] = tuple((settings.first_seed + i, None) for i in range(settings.trials))
     return {group: starts for group in product(settings.robots, settings.tasks, settings.objects)}
 
 
 def _check_overrides(overrides: tuple[str, ...]) -> None:
     for override in overrides:
         path = _path(override)
-        if path in DECIDED_BY_THE_GRID or path.split(".")[0] == "events":
+        if path in DECIDED_BY_THE_GRID or path.split(".")[0] in ("events", "start"):
             raise InvalidInputError(
                 f"set: {override!r} is not a condition; a grid's robots, tasks, objects, methods, profile, think and "
                 "first_seed have words of their own."

@@ -8,7 +8,7 @@ import math
 from pathlib import Path
 
 from backend.errors import InvalidInputError, NotFoundError
-from backend.experiments.grid.cells import Group, Plan, Start, make_plan, up_to_date
+from backend.experiments.grid.cells import Beginning, Group, Plan, make_plan, up_to_date
 from backend.experiments.grid.row import GridRow
 from backend.experiments.grid.settings import hash_of, settings_from
 from backend.experiments.grid.store import Facts, Store, open_store, read_store
@@ -68,7 +68,7 @@ def plan_of(facts: Facts) -> Plan:
     Raises ``InvalidInputError`` when the project's scenarios or methods are not those it was made with.
     """
     table = {name: value for name, value in facts.decided.items() if name != "conditions"}
-    starts: dict[Group, tuple[Start, ...]] | None = None
+    starts: dict[Group, tuple[Beginning, ...]] | None = None
     if facts.trial_set is not None:
         starts = starts_of(facts.trial_set, "the grid's trial set")
     plan = make_plan(settings_from({**table, "judge": facts.judge}, "the grid's settings"), starts)

@@ -6,57 +6,60 @@ import csv
 import difflib
 import hashlib
 import io
-import math
 from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import ValidationError
-
-from backend.drawing import arm_at_home, drawn_setup
+from backend.drawing import placed_setup, setup_of_seed
 from backend.errors import InvalidInputError
-from backend.experiments.grid.conditions import (
-    CIRCLE,
-    END,
-    OBJECT,
-    OBSTACLES,
-    SLAB,
-    SPEEDS,
-    SWING,
-    Conditions,
-    conditions_of,
-    needed,
-    place_columns,
-    setup_of,
-)
-from backend.experiments.grid.ranges import complaint_of
-from backend.objects import load_object, object_names
+from backend.objects import object_names
 from backend.robots import ROBOTS
 from backend.scenario import Scenario
 from backend.tasks import TASKS
-from backend.tasks.clearance import can_begin
+from backend.tasks.start import (
+    CIRCLE,
+    END,
+    OBJECT,
+    OBSTACLE_NAMES,
+    SLAB,
+    SPEEDS,
+    SWING,
+    Start,
+    place_columns,
+    read_start,
+    start_of,
+)
 
 NAMES = ("robot", "task", "object")
-OBSTACLE_NAMES = tuple(f"obstacle_{i + 1}" for i in range(OBSTACLES))
 OBSTACLE_COLUMNS = tuple(column for i, name in enumerate(OBSTACLE_NAMES) for column in (name, *place_columns(i)))
 COLUMNS = (*NAMES, "seed", *OBJECT, *SPEEDS, *END, *SWING, *CIRCLE, *SLAB, *OBSTACLE_COLUMNS)
-SHORTEST_M = 0.05
-"""Of belts and radii."""
 MUST = (*NAMES, "seed", *OBJECT, *SPEEDS)
 """Columns that every file has; the others, where a task of the file needs them."""
 
 
-def drawn_set(scenario: Scenario, objects: Iterable[str], trials: int, first_seed: int) -> list[Conditions]:
+@dataclass(frozen=True)
+class Row:
+    """One trial."""
+
+    robot: str
+    task: str
+    object: str
+    seed: int
+    """Of the sensor's noise and the planner's chance."""
+    start: Start
+
+
+def drawn_set(scenario: Scenario, objects: Iterable[str], trials: int, first_seed: int) -> list[Row]:
     """How the trials of these seeds begin, with each object."""
-    out: list[Conditions] = []
+    out: list[Row] = []
     for name in objects:
         of_object = scenario.model_copy(update={"object": name})
         for seed in range(first_seed, first_seed + trials):
-            setup = drawn_setup(of_object, seed)
-            out.append(conditions_of(scenario.robot, scenario.task.kind, name, seed, setup))
+            out.append(Row(scenario.robot, scenario.task.kind, name, seed, start_of(setup_of_seed(of_object, seed))))
     return out
 
 
-def to_csv(rows: Iterable[Conditions]) -> str:
+def to_csv(rows: Iterable[Row]) -> str:
     """The table; numbers with all their digits. Columns that no row has are left out."""
     listed = list(rows)
     used = {name for row in listed for name in _cells(row)}
@@ -81,14 +84,14 @@ def sha256_of(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def starts_of(text: str, where: str) -> dict[tuple[str, str, str], tuple[tuple[int, Conditions | None], ...]]:
-    """Robot, task, object -> seed and conditions of each trial, in the order of the rows.
+def starts_of(text: str, where: str) -> dict[tuple[str, str, str], tuple[tuple[int, Start | None], ...]]:
+    """Robot, task, object -> seed and start of each trial, in the order of the rows.
 
     Raises ``InvalidInputError`` with file, line and column of everything that is wrong (of the first 20).
     """
     reader = csv.DictReader(io.StringIO(text))
     _check_header(reader.fieldnames or (), where)
-    groups: dict[tuple[str, str, str], list[tuple[int, Conditions | None]]] = {}
+    groups: dict[tuple[str, str, str], list[tuple[int, Start | None]]] = {}
     wrong: list[str] = []
     for cells in reader:
         at = f"{where}, line {reader.line_num}"
@@ -99,7 +102,7 @@ def starts_of(text: str, where: str) -> dict[tuple[str, str, str], tuple[tuple[i
         wrong += [f"{at}, {complaint}" for complaint in complaints]
         if row is not None and not wrong:
             wrong += [f"{at}, {complaint}" for complaint in _cannot_begin(row)]
-            groups.setdefault((row.robot, row.task, row.object), []).append((row.seed, row))
+            groups.setdefault((row.robot, row.task, row.object), []).append((row.seed, row.start))
         if len(wrong) >= 20:
             break
     if wrong:
@@ -120,60 +123,33 @@ def _check_header(header: Iterable[str], where: str) -> None:
             raise InvalidInputError(f"{where}, line 1: there is no column {name!r}.{hint}")
 
 
-def _parsed(cells: dict[str, str | None]) -> tuple[Conditions | None, list[str]]:
+def _parsed(cells: dict[str, str | None]) -> tuple[Row | None, list[str]]:
     """A row, or what is wrong with it, each beginning with its column."""
     texts = {name: (text or "").strip() for name, text in cells.items()}
-    tables = {"robot": tuple(ROBOTS), "task": tuple(TASKS), "object": object_names()}
+    robot, task, object, seed = (texts.pop(name) for name in (*NAMES, "seed"))
     wrong = [
-        f"column {name}: there is no {name} {texts[name]!r}; there are {', '.join(table)}"
-        for name, table in tables.items()
-        if texts[name] not in table
+        f"column {name}: there is no {name} {said!r}; there are {', '.join(table)}"
+        for name, said, table in (("robot", robot, ROBOTS), ("task", task, TASKS), ("object", object, object_names()))
+        if said not in table
     ]
     if wrong:
         return None, wrong
-    if not texts["seed"].isdecimal():
-        wrong.append(f"column seed: {texts['seed']!r} is not a whole number from 0 on")
-    obstacles = [texts[name] for name in OBSTACLE_NAMES if texts.get(name)]
-    wrong += [
-        f"column obstacle_{i + 1}: there is no object {name!r}; there are {', '.join(object_names())}"
-        for i, name in enumerate(obstacles)
-        if name not in object_names()
-    ]
-    numbers: dict[str, float] = {}
-    columns = needed(texts["task"], len(obstacles))
-    for name in columns:
-        complaint = complaint_of(name, texts.get(name, ""))
-        if complaint is None:
-            numbers[name] = float(texts[name])
-        else:
-            wrong.append(f"column {name}: {complaint}")
-    fitting = (*NAMES, "seed", *columns, *OBSTACLE_NAMES)
-    wrong += [
-        f"column {name}: the task {texts['task']} has none" for name in texts if texts[name] and name not in fitting
-    ]
-    if wrong:
-        return None, wrong
-    return Conditions(texts["robot"], texts["task"], texts["object"], int(texts["seed"]), numbers, tuple(obstacles)), []
+    if not seed.isdecimal():
+        wrong.append(f"column seed: {seed!r} is not a whole number from 0 on")
+    start, complaints = read_start(task, texts)
+    wrong += [f"column{'s' * (', ' in column)} {column}: {complaint}" for column, complaint in complaints]
+    return (None, wrong) if wrong else (Row(robot, task, object, int(seed), start), [])
 
 
-def _cannot_begin(row: Conditions) -> list[str]:
+def _cannot_begin(row: Row) -> list[str]:
     """Why no trial can begin so, if none can."""
-    n = row.numbers
-    other = CIRCLE[:2] if row.task == "circular" else END[:2]
-    length_m = math.dist([n[name] for name in OBJECT[:2]], [n[name] for name in other])
-    if length_m < SHORTEST_M:
-        what = "circle's radius is" if row.task == "circular" else "belt is"
-        return [f"columns {', '.join(other)}: the {what} only {length_m:g} m; metres are wanted"]
     try:
-        setup = setup_of(row)
-    except ValidationError as error:
-        return [f"columns {', '.join((*OBJECT, *other))}: {error.errors()[0]['msg']}"]
-    if can_begin(setup, load_object(row.object), arm_at_home(row.robot)):
-        return []
-    return [f"columns {', '.join(OBJECT[:3])}: object, tray or slab would start in the arm or run into its base"]
+        placed_setup(row.start, row.robot, row.task, row.object)
+    except InvalidInputError as error:
+        return [f"columns {', '.join(OBJECT[:3])}: {error}"]
+    return []
 
 
-def _cells(row: Conditions) -> dict[str, str]:
-    names = dict(zip(OBSTACLE_NAMES, row.obstacles, strict=False))
+def _cells(row: Row) -> dict[str, str]:
     plain = {"robot": row.robot, "task": row.task, "object": row.object, "seed": str(row.seed)}
-    return {**plain, **names, **{name: repr(value) for name, value in row.numbers.items()}}
+    return plain | {name: value if isinstance(value, str) else repr(value) for name, value in row.start.items()}

@@ -11,7 +11,6 @@ from datetime import UTC, datetime
 import numpy as np
 
 from backend.episode import Episode
-from backend.experiments.grid.beginning import setup_of_job
 from backend.experiments.grid.cells import Job
 from backend.experiments.grid.code import code_version
 from backend.experiments.grid.row import GridRow
@@ -23,7 +22,7 @@ from backend.snapshot import Snapshot
 def run_job(job: Job, settings: str) -> GridRow:
     """Run a trial to its end; ``settings`` is the grid's hash."""
     begun_s = time.perf_counter()
-    with Episode(job.scenario, job.seed, setup_of_job(job)) as episode:
+    with Episode(job.scenario, job.seed) as episode:
         start = _start_hash(next(episode.run()))
         motion = episode.setup.motion
         episode.finish()

@@ -7,12 +7,12 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from backend.drawing import drawn_setup
+from backend.drawing import setup_of_seed
 from backend.errors import InvalidInputError
-from backend.experiments.grid.conditions import conditions_of, setup_of
 from backend.experiments.grid.trial_set import drawn_set, starts_of, to_csv
 from backend.scenario import load_scenario, scenario_names
 from backend.tasks.setup import TrialSetup
+from backend.tasks.start import setup_of, start_of
 
 SCENARIO = "ur5_linear"
 Row = dict[str, str]
@@ -55,7 +55,7 @@ def assert_same_start(a: TrialSetup, b: TrialSetup) -> None:
 def test_what_is_written_is_read_back_to_the_last_digit(name: str):
     rows = drawn_set(load_scenario(name), ["cube", "power_drill"], 3, 5)
     read = starts_of(to_csv(rows), "set.csv")
-    assert [row for starts in read.values() for _, row in starts] == rows
+    assert [start for starts in read.values() for _, start in starts] == [row.start for row in rows]
     assert [seed for starts in read.values() for seed, _ in starts] == [5, 6, 7] * 2
 
 
@@ -63,9 +63,8 @@ def test_what_is_written_is_read_back_to_the_last_digit(name: str):
 def test_numbers_make_the_start_that_they_were_made_from(name: str):
     scenario = load_scenario(name)
     for seed in range(3):
-        setup = drawn_setup(scenario, seed)
-        row = conditions_of(scenario.robot, scenario.task.kind, scenario.object, seed, setup)
-        assert_same_start(setup_of(row), setup)
+        setup = setup_of_seed(scenario, seed)
+        assert_same_start(setup_of(start_of(setup), scenario.task.kind, scenario.object), setup)
 
 
 @pytest.mark.parametrize(

@@ -1,21 +1,34 @@
-"""Conditions: how one trial begins, as plain numbers that a table can hold."""
+"""Start: how one trial begins, as plain numbers and names that a table or a scenario file can hold.
+
+Columns are in SI units and the world frame; which of them a start has depends on its task.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
+from pydantic import ValidationError
+
 from backend.motions import CircularMotion, LinearMotion, Motion, SinusoidalMotion
-from backend.objects import load_object
+from backend.objects import load_object, object_names
 from backend.pose import Pose
 from backend.snapshot import BoxPlacement
+from backend.tasks.ranges import complaint_of
 from backend.tasks.setup import TrialSetup, tray_size_m
 
+Start = dict[str, float | str]
+"""Column -> number, or the name of an object that stands in the way."""
 Numbers = dict[str, float]
+Complaint = tuple[str, str]
+"""Column, and what is wrong there."""
+
 OBSTACLES = 5
-"""As many as a row has columns for."""
+"""As many as there are columns for."""
+OBSTACLE_NAMES = tuple(f"obstacle_{i + 1}" for i in range(OBSTACLES))
+SHORTEST_M = 0.05
+"""Of belts and radii."""
 OBJECT = ("object_x_m", "object_y_m", "object_z_m", "object_yaw_rad")
 """Middle of the object's bottom, and its heading, in the world."""
 SPEEDS = ("start_speed_mps", "end_speed_mps")
@@ -31,28 +44,13 @@ MOTION_COLUMNS = {
 }
 
 
-@dataclass(frozen=True)
-class Conditions:
-    """One row of a trial set."""
-
-    robot: str
-    task: str
-    object: str
-    seed: int
-    """Of the sensor's noise and the planner's chance."""
-    numbers: Numbers
-    """Those columns that the task has; SI units."""
-    obstacles: tuple[str, ...] = field(default=())
-    """Object names; their places are in ``numbers``."""
-
-
 def motion_kind(task: str) -> str:
     """Which motion the belt of a task makes."""
     return task if task in ("circular", "sinusoidal") else "linear"
 
 
 def needed(task: str, obstacles: int) -> tuple[str, ...]:
-    """The columns of numbers that a row of this task has."""
+    """The columns of numbers that a start of this task has."""
     slab = SLAB if task == "linear_slab" else ()
     places = tuple(name for i in range(obstacles) for name in place_columns(i))
     return (*OBJECT, *MOTION_COLUMNS[motion_kind(task)], *slab, *places)
@@ -60,12 +58,12 @@ def needed(task: str, obstacles: int) -> tuple[str, ...]:
 
 def place_columns(index: int) -> tuple[str, str, str]:
     """Where obstacle ``index``, counted from 0, stands on the floor."""
-    lead = f"obstacle_{index + 1}"
+    lead = OBSTACLE_NAMES[index]
     return f"{lead}_x_m", f"{lead}_y_m", f"{lead}_yaw_rad"
 
 
-def conditions_of(robot: str, task: str, object: str, seed: int, setup: TrialSetup) -> Conditions:
-    """A setup as numbers."""
+def start_of(setup: TrialSetup) -> Start:
+    """A setup as columns."""
     T_world_object = setup.motion.pose_at(0.0) @ setup.T_tray_object
     numbers = _pose_numbers(OBJECT, T_world_object) | _motion_numbers(setup.motion)
     if setup.slab is not None:
@@ -74,25 +72,68 @@ def conditions_of(robot: str, task: str, object: str, seed: int, setup: TrialSet
     for i, (_, pose) in enumerate(setup.obstacles):
         x, y, _ = pose.xyz_m.tolist()
         numbers |= dict(zip(place_columns(i), (x, y, pose.yaw_rad), strict=True))
-    return Conditions(robot, task, object, seed, numbers, tuple(name for name, _ in setup.obstacles))
+    names = zip(OBSTACLE_NAMES, (name for name, _ in setup.obstacles), strict=False)
+    return {**numbers, **dict(names)}
 
 
-def setup_of(conditions: Conditions) -> TrialSetup:
-    """Numbers as a setup, up to rounding the one that they were made from; raises ``ValueError`` for an odd motion."""
-    n = conditions.numbers
-    motion = _motion(conditions)
+def setup_of(start: Start, task: str, object: str) -> TrialSetup:
+    """Columns in which nothing is wrong as a setup, up to rounding the one that they were made from."""
+    n = {column: value for column, value in start.items() if isinstance(value, float)}
+    motion = _motion(n, task)
     turned = n["object_yaw_rad"] - motion.yaw_rad
     yaw_rad = math.pi - (math.pi - turned) % (2.0 * math.pi)
     return TrialSetup(
         motion=motion,
         object_yaw_rad=yaw_rad,
-        tray_size_m=tray_size_m(load_object(conditions.object), yaw_rad),
+        tray_size_m=tray_size_m(load_object(object), yaw_rad),
         obstacles=tuple(
             (name, Pose.from_xyz_yaw((*_take(n, place_columns(i)[:2]), 0.0), n[place_columns(i)[2]]))
-            for i, name in enumerate(conditions.obstacles)
+            for i, name in enumerate(_obstacles(start))
         ),
-        slab=_slab(n) if conditions.task == "linear_slab" else None,
+        slab=_slab(n) if task == "linear_slab" else None,
     )
+
+
+def read_start(task: str, cells: Mapping[str, float | str]) -> tuple[Start, list[Complaint]]:
+    """The start that columns of numbers or text say, and all that is wrong with them; empty cells are not there."""
+    said = {column: text for column, value in cells.items() if (text := str(value).strip())}
+    names = [said[column] for column in OBSTACLE_NAMES if column in said]
+    there = object_names()
+    wrong: list[Complaint] = [
+        (column, f"there is no object {said[column]!r}; there are {', '.join(there)}")
+        for column in OBSTACLE_NAMES
+        if column in said and said[column] not in there
+    ]
+    start: Start = dict(zip(OBSTACLE_NAMES, names, strict=False))
+    columns = needed(task, len(names))
+    for column in columns:
+        complaint = complaint_of(column, said.get(column, ""))
+        if complaint is None:
+            start[column] = float(said[column])
+        else:
+            wrong.append((column, complaint))
+    fitting = (*columns, *OBSTACLE_NAMES)
+    wrong += [(column, f"the task {task} has none") for column in said if column not in fitting]
+    return start, wrong or _odd_motion(task, start)
+
+
+def _odd_motion(task: str, start: Start) -> list[Complaint]:
+    """What is wrong with the belt that the numbers, each fine by itself, make together."""
+    n = {column: value for column, value in start.items() if isinstance(value, float)}
+    other = CIRCLE[:2] if task == "circular" else END[:2]
+    length_m = math.dist([n[name] for name in OBJECT[:2]], [n[name] for name in other])
+    if length_m < SHORTEST_M:
+        what = "circle's radius is" if task == "circular" else "belt is"
+        return [(", ".join(other), f"the {what} only {length_m:g} m; metres are wanted")]
+    try:
+        _motion(n, task)
+    except ValidationError as error:
+        return [(", ".join((*OBJECT, *other)), error.errors()[0]["msg"])]
+    return []
+
+
+def _obstacles(start: Start) -> list[str]:
+    return [str(start[column]) for column in OBSTACLE_NAMES if column in start]
 
 
 def _slab(n: Numbers) -> BoxPlacement:
@@ -100,10 +141,9 @@ def _slab(n: Numbers) -> BoxPlacement:
     return BoxPlacement(Pose.from_xyz_yaw(_take(n, SLAB[:3]), n["slab_yaw_rad"]), (length_m, width_m, thickness_m))
 
 
-def _motion(conditions: Conditions) -> Motion:
-    n = conditions.numbers
+def _motion(n: Numbers, task: str) -> Motion:
     x, y, z = _take(n, OBJECT[:3])
-    kind = motion_kind(conditions.task)
+    kind = motion_kind(task)
     if kind == "circular":
         dx, dy = x - n["circle_x_m"], y - n["circle_y_m"]
         direction: Literal[1, -1] = 1 if n["direction"] > 0 else -1

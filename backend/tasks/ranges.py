@@ -1,4 +1,4 @@
-"""Ranges: what a number of a trial set may be, and which unit was probably meant by one that is not."""
+"""Ranges: what a number of a start may be, and which unit was probably meant by one that is not."""
 
 from __future__ import annotations
 
