@@ -57,7 +57,7 @@ class Trajectory:
         h = times[i + 1] - times[i]
         u = (t_s - times[i]) / h
         u3 = u * 3.0
-        joints = self._pieces[i]
+        joints = self._piece(i)
         q = [q0 + u * (v0 + u * (c2 + u * c3)) for q0, v0, c2, c3 in joints]
         qd = [(v0 + u * (2.0 * c2 + u3 * c3)) / h for _, v0, c2, c3 in joints]
         return np.array(q), np.array(qd)
@@ -89,10 +89,21 @@ class Trajectory:
         """The grid as plain numbers: this is asked at every step, and Python is quicker than numpy on so few."""
         return self.t_s.tolist()
 
+    def _piece(self, i: int) -> list[tuple[float, float, float, float]]:
+        """``_cubics[i]`` as plain numbers; most motions are replaced before most of their pieces are come to."""
+        kept = self._kept.get(i)
+        if kept is None:
+            h = self._times[i + 1] - self._times[i]
+            rows = (self.q[i], self.q[i + 1], self.qd[i], self.qd[i + 1])
+            kept = self._kept[i] = [
+                (q0, v0 * h, 3.0 * (q1 - q0) - 2.0 * (v0 * h) - v1 * h, v0 * h + v1 * h - 2.0 * (q1 - q0))
+                for q0, q1, v0, v1 in zip(*(row.tolist() for row in rows), strict=True)
+            ]
+        return kept
+
     @cached_property
-    def _pieces(self) -> list[list[tuple[float, float, float, float]]]:
-        """``_cubics`` as plain numbers too."""
-        return self._cubics.tolist()
+    def _kept(self) -> dict[int, list[tuple[float, float, float, float]]]:
+        return {}
 
     @cached_property
     def _cubics(self) -> Array:

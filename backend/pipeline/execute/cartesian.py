@@ -6,6 +6,7 @@ import numpy as np
 
 from backend.kinematics import Kinematics
 from backend.pipeline.retime.limits import JointLimits
+from backend.pipeline.retime.rates import speeds, times_too_fast
 from backend.pose import Array
 from backend.trajectory import Trajectory
 
@@ -37,11 +38,8 @@ def follow(kinematics: Kinematics, arm: ArmState, t_s: Array, Ts_world_tcp: Arra
     qs = kinematics.follow(Ts_world_tcp, arm.q, MAX_STEP_RAD)
     if qs is None:
         return None
-    qs = qs.copy()
     qs[0] = arm.q
-    qds = np.gradient(qs, t_s, axis=0)
-    qds[0] = arm.qd
-    return Trajectory(arm.t_s + t_s, qs, qds)
+    return Trajectory(arm.t_s + t_s, qs, speeds(qs, t_s, arm.qd))
 
 
 def limit_ratio(trajectory: Trajectory, limits: JointLimits, from_s: float = 0.0, until_s: float = np.inf) -> float:
@@ -50,6 +48,12 @@ def limit_ratio(trajectory: Trajectory, limits: JointLimits, from_s: float = 0.0
     The largest joint speed over its limit, or the root of the largest acceleration over its own.
     """
     start_s = trajectory.start_s
-    velocity, acceleration = trajectory.peaks(start_s + from_s, start_s + until_s)
-    over = np.maximum(velocity / limits.velocity_rps, np.sqrt(acceleration / limits.acceleration_rps2))
-    return float(over.max())
+    return times_too_fast(
+        trajectory.t_s,
+        trajectory.q,
+        trajectory.qd,
+        limits.velocity_rps,
+        limits.acceleration_rps2,
+        start_s + from_s,
+        start_s + until_s,
+    )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from backend.pipeline.values import PlanRequest, Refusal
 from backend.pose import Array
-from backend.sim.planning_scene import PlanningScene
+from backend.sim.planning_scene import MARGIN_M, PlanningScene
 
 LEAVE_STEPS_RAD = (0.02, 0.05, 0.1, 0.2, 0.3)
 """How far, in the joint that moves most, a way out of a safety margin is looked for."""
@@ -76,25 +76,31 @@ def _beyond_limits(qs: Array, limits: Array) -> NDArray[np.bool_]:
 
 
 def _lead_out(request: PlanRequest, scene: PlanningScene) -> Array | None:
-    """``q_start`` when it is free; else the shortest way found out of a margin; None when it touches."""
+    """``q_start`` when it is free; else the shortest way found out of a margin; None when it touches.
+
+    The target stands in the scene where it will be when it is met: an arm that is there now has to make way for it.
+    """
     q = request.q_start
     if scene.is_free(q):
         return q[None]
     clearance_m = scene.clearance_m(q)
-    if clearance_m <= 0.0:
-        return None
+    in_its_way = clearance_m <= 0.0
+    if in_its_way:
+        clearance_m = min(scene.clearance_m(q, target=False), MARGIN_M)
+        if clearance_m <= 0.0:
+            return None
     rng = np.random.default_rng(request.rng_seed)
     directions = [goal - q for goal in request.goals]
     directions.extend(rng.normal(size=(LEAVE_DIRECTIONS, q.size)))
     for step_rad in LEAVE_STEPS_RAD:
         for direction in directions:
             end = q + direction * (step_rad / max(float(np.abs(direction).max()), step_rad))
-            if scene.is_free(end) and _keeps_away(q, end, scene, clearance_m - CLOSER_M):
+            if scene.is_free(end) and _keeps_away(q, end, scene, clearance_m - CLOSER_M, target=not in_its_way):
                 return np.stack([q, end])
     return None
 
 
-def _keeps_away(q: Array, end: Array, scene: PlanningScene, clearance_m: float) -> bool:
+def _keeps_away(q: Array, end: Array, scene: PlanningScene, clearance_m: float, *, target: bool) -> bool:
     steps = max(2, int(np.ceil(np.abs(end - q).max() / LEAVE_RESOLUTION_RAD)))
     between = q + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (end - q)
-    return all(scene.clearance_m(posture) >= clearance_m for posture in between)
+    return all(scene.clearance_m(posture, target=target) >= clearance_m for posture in between)
