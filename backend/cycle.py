@@ -16,13 +16,14 @@ from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
 from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
+from backend.pipeline.evade import evade
 from backend.pipeline.execute import RIDE_S, ApproachRequest, ArmState
 from backend.pipeline.filter import RankContext, shortlist
 from backend.pipeline.horizon import Underway, horizons_s, in_time
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
-from backend.pipeline.rehearse import Rehearsal
+from backend.pipeline.rehearse import LOOK_EVERY_S, Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
 from backend.pipeline.values import Candidate, CycleResult, JointGoal, PlanRequest, Prediction, Refusal, Room
@@ -88,6 +89,9 @@ class Cycle:
         watch = _Stopwatch()
         begun_s = time.perf_counter()
         result = self._rooms(start, predictor, watch)
+        if result.prediction is not None and result.refused_by is not None:
+            with watch(result.refused_by):
+                result = replace(result, evasion=self._evasion(start, result.effective_s, predictor))
         if self._think.overran(time.perf_counter() - begun_s) and result.refused_by is None:
             result = replace(result, refused_by="retime", why="thinking took longer than it was given")
         return replace(result, room_s=watch.room_s)
@@ -192,7 +196,7 @@ class Cycle:
     ) -> CycleResult:
         """Plan and retime for the nearest grasp that lets itself be reached without pushing the object on the way."""
         arm = start.arm_at(result.effective_s)
-        seed_path = remaining(start.previous, arm)
+        seed_path = None if start.previous is None else start.previous[0].remaining_from(arm.q)
         left = list(picked)
         for _ in range(CANDIDATES_TRIED):
             if not left:
@@ -224,6 +228,14 @@ class Cycle:
                 continue
             return replace(result, trajectory=trajectory)
         return result
+
+    def _evasion(self, start: CycleStart, from_s: float, predictor: Predictor) -> Trajectory | None:
+        if not self.rehearsal.wanted:
+            return None
+        in_force = np.array([start.arm_at(t_s).q for t_s in np.arange(from_s, from_s + WARY_S, LOOK_EVERY_S)])
+        home = np.array(self.robot.home_rad)
+        arm = start.arm_at(from_s)
+        return evade(self.rehearsal, self.limits, arm, in_force, lambda t_s: seen_by(predictor, t_s), home)
 
     def _underway(self, start: CycleStart, arm: ArmState) -> Underway | None:
         if start.held is None or start.previous is None:
@@ -265,19 +277,6 @@ def seen_by(predictor: Predictor, t_s: Array) -> Array:
     prediction = predictor.predict(t_s)
     assert prediction is not None
     return prediction.Ts_world_object
-
-
-def remaining(previous: tuple[Path, Trajectory] | None, arm: ArmState) -> Path | None:
-    """What is left of the previous path from where the arm will be: its state, then the waypoints still ahead."""
-    if previous is None:
-        return None
-    waypoints: Array = previous[0].waypoints
-    edges = np.diff(waypoints, axis=0)
-    lengths = np.maximum((edges**2).sum(axis=1), 1e-12)
-    along = np.clip(((arm.q - waypoints[:-1]) * edges).sum(axis=1) / lengths, 0.0, 1.0)
-    gaps = np.linalg.norm(waypoints[:-1] + along[:, None] * edges - arm.q, axis=1)
-    nearest = len(gaps) - 1 - int(np.argmin(gaps[::-1])) if len(gaps) else 0
-    return Path(np.vstack([arm.q, waypoints[nearest + 1 :]]))
 
 
 class _Stopwatch:

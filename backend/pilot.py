@@ -111,6 +111,9 @@ class Pilot:
             self._held = result.picked
             self._previous = (result.plan.path, result.trajectory)
             self.executor.move_along(result.trajectory)
+        elif result.evasion is not None:
+            self._held = self._previous = None
+            self.executor.move_along(result.evasion)
         return result
 
     def _near(self, t_s: float) -> bool:

@@ -26,6 +26,15 @@ class Path:
         """Sum of the edges' Euclidean lengths."""
         return float(np.linalg.norm(np.diff(self.waypoints, axis=0), axis=1).sum())
 
+    def remaining_from(self, q: Array) -> Path:
+        """What is left of it for an arm at ``q`` (dof,): that posture, then the waypoints still ahead."""
+        edges = np.diff(self.waypoints, axis=0)
+        lengths = np.maximum((edges**2).sum(axis=1), 1e-12)
+        along = np.clip(((q - self.waypoints[:-1]) * edges).sum(axis=1) / lengths, 0.0, 1.0)
+        gaps = np.linalg.norm(self.waypoints[:-1] + along[:, None] * edges - q, axis=1)
+        nearest = len(gaps) - 1 - int(np.argmin(gaps[::-1])) if len(gaps) else 0
+        return Path(np.vstack([q, self.waypoints[nearest + 1 :]]))
+
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:

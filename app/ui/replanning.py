@@ -44,7 +44,8 @@ def change(cycle: CycleResult, traces: Traces | None) -> Change | None:
 def change_words(cycle: CycleResult, traces: Traces | None) -> str:
     """In one or two sentences."""
     if cycle.plan is None:
-        return f"No new plan: {cycle.why or 'none was asked for'}." if cycle.refused_by else "No plan yet."
+        makes_way = " The arm makes way for the object." if cycle.evasion is not None else ""
+        return f"No new plan: {cycle.why or 'none was asked for'}.{makes_way}" if cycle.refused_by else "No plan yet."
     if cycle.seed_path is None:
         return "A first plan: there was none before to follow."
     found = change(cycle, traces)

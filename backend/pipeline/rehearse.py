@@ -10,6 +10,7 @@ from backend.pipeline.execute import Approach, ApproachRequest, ArmState, plan_a
 from backend.pipeline.execute.approach import ObjectAt
 from backend.pipeline.retime import JointLimits
 from backend.pipeline.values import Candidate, JointGoal, Refusal
+from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
 from backend.trajectory import Trajectory
 
@@ -23,6 +24,7 @@ MOST_AT_ONCE = 8
 """So many ways in are tried in one cycle, give or take the branches of a grasp."""
 LOOK_EVERY_S = 0.1
 """Time between two looks at whether arm and moving object meet."""
+LEFT_AFTER = 15
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,14 +72,25 @@ class Rehearsal:
         return picked, refused
 
     def brushes(self, trajectory: Trajectory, until_s: float, object_at: ObjectAt) -> str:
-        """What would touch the moving object or its tray before then; empty if nothing, or if it does so already."""
+        """What would touch the moving object or its tray before then; empty if nothing."""
         if not self.wanted:
             return ""
         t_s = np.arange(trajectory.start_s, min(until_s, trajectory.end_s), LOOK_EVERY_S)
-        found = self.scene.first_contact(trajectory.positions(t_s), object_at(t_s)) if len(t_s) else None
-        if found is None or found[0] == 0:
-            return ""
-        return f"in {t_s[found[0]] - trajectory.start_s:.1f} s {found[1]}"
+        found = self.meets(trajectory.positions(t_s), object_at(t_s))
+        return "" if found is None else f"in {t_s[found[0]] - trajectory.start_s:.1f} s {found[1]}"
+
+    def meets(self, qs: Array, Ts_world_object: Array) -> tuple[int, str] | None:
+        """Which of postures (n, dof), ``LOOK_EVERY_S`` apart, first touches anything as the object moves on, and what.
+
+        A motion may begin in a safety margin, and must have left it after ``LEFT_AFTER`` looks.
+        """
+        for begun in range(min(LEFT_AFTER, len(qs))):
+            found = self.scene.first_contact(qs[begun:], Ts_world_object[begun:])
+            if found is None:
+                return None
+            if found[0] > 0 or begun == LEFT_AFTER - 1:
+                return begun + found[0], found[1]
+        return None
 
     def unsafe(self, approach: Approach, request: ApproachRequest) -> Refusal | None:
         """Why the way in, or the lift that follows it, cannot be done; None when both can.

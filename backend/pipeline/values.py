@@ -186,6 +186,8 @@ class CycleResult:
     seed_path: Path | None = None
     plan: Plan | None = None
     trajectory: Trajectory | None = None
+    evasion: Trajectory | None = None
+    """Out of the object's way, where there is no trajectory to a grasp and the arm would be run into."""
     refused_by: Room | None = None
     """The room that said no."""
     why: str = ""

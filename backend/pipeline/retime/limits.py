@@ -8,6 +8,10 @@ import numpy as np
 
 from backend.pose import Array
 
+VELOCITY_SHARE = 0.996
+ACCELERATION_SHARE = 0.97
+"""Shares of the limits that are used; the rest is for the curve between grid points."""
+
 
 @dataclass(frozen=True, eq=False)
 class JointLimits:
@@ -23,3 +27,8 @@ class JointLimits:
         """Whether every limit is positive and finite."""
         both = np.concatenate([self.velocity_rps, self.acceleration_rps2])
         return bool(np.isfinite(both).all() and (both > 0.0).all())
+
+    def used(self, qd_start: Array) -> JointLimits:
+        """What a motion that begins at ``qd_start`` (dof,) rad/s may use of them."""
+        velocity_rps = np.maximum(self.velocity_rps * VELOCITY_SHARE, np.abs(qd_start))
+        return JointLimits(velocity_rps, self.acceleration_rps2 * ACCELERATION_SHARE)

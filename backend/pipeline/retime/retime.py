@@ -20,9 +20,6 @@ from backend.trajectory import Path, Trajectory
 
 FreeEach = Callable[[Array], NDArray[np.bool_]]
 
-VELOCITY_SHARE = 0.996
-ACCELERATION_SHARE = 0.97
-"""Shares of the limits that are used; the rest is for the curve between grid points."""
 CANDIDATES = 3
 """Of so many lead-ins that can be timed, the quickest that touches nothing is taken."""
 CHECK_SPACING_RAD = 0.03
@@ -48,10 +45,7 @@ def retime(
     if wrong is not None:
         return Refusal(wrong)
     waypoints = _distinct(path.waypoints)
-    own = JointLimits(
-        np.maximum(limits.velocity_rps * VELOCITY_SHARE, np.abs(qd_start)),
-        limits.acceleration_rps2 * ACCELERATION_SHARE,
-    )
+    own = limits.used(qd_start)
     moving = float(np.linalg.norm(qd_start)) >= STILL_RPS
     if len(waypoints) == 1 and not moving:
         return Trajectory.hold(waypoints[0], start_s)
