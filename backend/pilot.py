@@ -8,12 +8,14 @@ from backend.cycle import Cycle, CycleStart, seen_by
 from backend.pipeline.execute import (
     Approach,
     ApproachRequest,
+    ArmState,
     Executor,
     can_grasp,
     correct_approach,
     plan_approach,
 )
 from backend.pipeline.predict import Predictor
+from backend.pipeline.retime import stop
 from backend.pipeline.think import ThinkTime
 from backend.pipeline.values import (
     Candidate,
@@ -27,6 +29,10 @@ from backend.trajectory import SAME_MOMENT_S, Path, Trajectory
 
 TRACKING_LAST_S = 0.25
 """The approach is no longer corrected when less than this is left of it."""
+CORRECT_FROM = (1.5e-3, 0.01)
+"""A prediction for the arrival that differs by less, in m and rad, is not worth a correction."""
+GIVE_UP_FROM = (0.01, 0.17)
+"""Nor is an approach worth going on with that is so far off, cannot be corrected, and has not slid in yet."""
 TRUST_S = 0.5
 """A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
@@ -71,8 +77,9 @@ class Pilot:
         if not self._fresh or t_s < self._busy_until_s - SAME_MOMENT_S:
             return None
         if self.executor.phase == "approach":
-            self._fresh = False
             self._correct(t_s)
+        if self.executor.phase == "approach":
+            self._fresh = False
             return None
         if self.executor.phase not in ("watch", "move"):
             return None
@@ -160,15 +167,30 @@ class Pilot:
         request = self._request(t_s)
         assert approach is not None
         too_late = request.arm.t_s > approach.arrive_s - TRACKING_LAST_S
-        if not self._cycle.method.execution.tracking or too_late or approach.still_right(self._object_at):
+        off = approach.off_by(self._object_at)
+        if not self._cycle.method.execution.tracking or too_late or not _beyond(off, CORRECT_FROM):
             return
         kinematics, limits = self._cycle.kinematics, self._cycle.limits
-        if request.arm.t_s < approach.slide_s:
-            corrected = plan_approach(kinematics, limits, request)
-        else:
+        sliding = request.arm.t_s >= approach.slide_s
+        if sliding:
             corrected = correct_approach(kinematics, limits, request, approach.arrive_s)
-        if not isinstance(corrected, Refusal) and self._cycle.rehearsal.unsafe(corrected, request) is None:
+        else:
+            corrected = plan_approach(kinematics, limits, request.instead_of(approach))
+        if not isinstance(corrected, Refusal):
+            corrected = self._cycle.rehearsal.unsafe(corrected, request) or corrected
+        if not isinstance(corrected, Refusal):
             self._begin(corrected)
+        elif not sliding and _beyond(off, GIVE_UP_FROM):
+            self._give_up(request.arm, corrected, t_s)
+
+    def _give_up(self, arm: ArmState, refusal: Refusal, t_s: float) -> None:
+        """Break the approach off, to think again."""
+        assert self._held is not None
+        self.approach_refusal = f"given up: {refusal.why}"
+        self._put_off({self._held.index}, t_s)
+        self._held = self._previous = None
+        self.approach_start_s = None
+        self.executor.break_off(stop(arm.q, arm.qd, self._cycle.limits, arm.t_s))
 
     def _request(self, t_s: float) -> ApproachRequest:
         assert self._held is not None
@@ -182,6 +204,10 @@ class Pilot:
     def _object_at(self, t_s: Array) -> Array:
         """(n, 4, 4) predicted poses at simulated times (n,)."""
         return seen_by(self._predictor, t_s)
+
+
+def _beyond(off: tuple[float, float], least: tuple[float, float]) -> bool:
+    return off[0] >= least[0] or off[1] >= least[1]
 
 
 def _progress(result: CycleResult) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,13 +24,14 @@ SHORTEST_ALIGN_S = 0.25
 """The hand settles onto the grasp's axis at about these speeds, and takes at least so long."""
 RATES_OVER_S = 0.01
 """Half the time over which the hand's rates relative to the grasp are measured."""
+SHORTEST_CORRECTION_S = 0.05
+"""For the last correction before the hand slides in."""
+KEPT_SHARE = 0.9
+"""A slide that had to be slow is corrected to one that may be quicker by so much."""
 STRETCHES = 6
 LONGEST_S = 6.0
 RIDE_S = 0.9
 """So long the hand rides along with the object at most; the fingers need 0.4 to 0.8 s to close."""
-CORRECT_FROM_M = 1.5e-3
-CORRECT_FROM_RAD = 0.01
-"""A prediction for the arrival that differs by less is not worth a correction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,12 +46,11 @@ class Approach:
     T_world_object: Pose
     """Where the object is expected at ``arrive_s``."""
 
-    def still_right(self, object_at: ObjectAt) -> bool:
-        """Whether the newest prediction for the arrival agrees with the one the approach was made for."""
+    def off_by(self, object_at: ObjectAt) -> tuple[float, float]:
+        """How far, in m and rad, the newest prediction for the arrival is from the one the approach was made for."""
         T = object_at(np.array([self.arrive_s]))[0]
         shift_m = float(np.linalg.norm(T[:3, 3] - self.T_world_object.xyz_m))
-        turn_rad = rotation_angle_rad(T[:3, :3], self.T_world_object.rotation)
-        return shift_m < CORRECT_FROM_M and turn_rad < CORRECT_FROM_RAD
+        return shift_m, rotation_angle_rad(T[:3, :3], self.T_world_object.rotation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +65,14 @@ class ApproachRequest:
     """Shortest time from pregrasp to grasp."""
     ride_s: float
     """How long to ride along after the arrival."""
+    align_s: float = SHORTEST_ALIGN_S
+    """Shortest time to settle onto the grasp's axis."""
+
+    def instead_of(self, approach: Approach) -> ApproachRequest:
+        """The same, to slide in when ``approach`` would, though the prediction is another now."""
+        left_s = approach.slide_s - self.arm.t_s
+        slid_s = KEPT_SHARE * (approach.arrive_s - approach.slide_s)
+        return replace(self, align_s=max(left_s, SHORTEST_CORRECTION_S), slide_s=max(self.slide_s, slid_s))
 
 
 def plan_approach(kinematics: Kinematics, limits: JointLimits, request: ApproachRequest) -> Approach | Refusal:
@@ -76,7 +84,7 @@ def plan_approach(kinematics: Kinematics, limits: JointLimits, request: Approach
     offset, drift, spin = _relative_state(kinematics, request)
     sideways_m = float(np.linalg.norm(offset[:3, 3] + [0.0, 0.0, request.backoff_m]))
     turn_rad = float(np.linalg.norm(rotvec(offset[:3, :3])))
-    align_s = max(SHORTEST_ALIGN_S, sideways_m / ALIGN_MPS, turn_rad / ALIGN_RPS)
+    align_s = max(request.align_s, sideways_m / ALIGN_MPS, turn_rad / ALIGN_RPS)
     slide_s = request.slide_s
     back = np.array([0.0, 0.0, -request.backoff_m])
     for _ in range(STRETCHES):

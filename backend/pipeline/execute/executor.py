@@ -54,6 +54,12 @@ class Executor:
         self.approach = approach
         self.phase = "approach"
 
+    def break_off(self, halt: Trajectory) -> None:
+        """Come to rest instead of going in."""
+        self._next = halt
+        self.approach = None
+        self.phase = "move"
+
     def targets(self, t_s: float) -> tuple[Array, Array]:
         """(q, qd) for the physics step that begins at ``t_s``."""
         self.take_over(t_s)
