@@ -230,8 +230,6 @@ class Cycle:
         return result
 
     def _evasion(self, start: CycleStart, from_s: float, predictor: Predictor) -> Trajectory | None:
-        if not self.rehearsal.wanted:
-            return None
         in_force = np.array([start.arm_at(t_s).q for t_s in np.arange(from_s, from_s + WARY_S, LOOK_EVERY_S)])
         home = np.array(self.robot.home_rad)
         arm = start.arm_at(from_s)

@@ -73,8 +73,6 @@ class Rehearsal:
 
     def brushes(self, trajectory: Trajectory, until_s: float, object_at: ObjectAt) -> str:
         """What would touch the moving object or its tray before then; empty if nothing."""
-        if not self.wanted:
-            return ""
         t_s = np.arange(trajectory.start_s, min(until_s, trajectory.end_s), LOOK_EVERY_S)
         found = self.meets(trajectory.positions(t_s), object_at(t_s))
         return "" if found is None else f"in {t_s[found[0]] - trajectory.start_s:.1f} s {found[1]}"
@@ -84,7 +82,7 @@ class Rehearsal:
 
         A motion may begin in a safety margin, and must have left it after ``LEFT_AFTER`` looks.
         """
-        for begun in range(min(LEFT_AFTER, len(qs))):
+        for begun in range(min(LEFT_AFTER, len(qs)) if self.wanted else 0):
             found = self.scene.first_contact(qs[begun:], Ts_world_object[begun:])
             if found is None:
                 return None

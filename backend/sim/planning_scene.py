@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +26,8 @@ RESOLUTION_RAD = 0.02
 """Largest motion of a joint between two checked postures of an edge."""
 FAR_M = 1.0
 """Clearances are not told apart beyond this."""
+AWAY_M = 1e3
+"""So far off is what is not there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +110,18 @@ class PlanningScene:
         target = self._the_target()
         self._table.move(target.body, T_world_object)
         self._table.move(target.tray, T_world_object @ target.T_object_tray)
+
+    @contextmanager
+    def without_target(self) -> Generator[None]:
+        """As if target and tray were not there."""
+        target = self._target
+        rows = [] if target is None else [target.body, target.tray]
+        before = self._table.arrays[0][rows]
+        self._table.arrays[0][rows, 9:] += AWAY_M
+        try:
+            yield
+        finally:
+            self._table.arrays[0][rows] = before
 
     def is_free(self, q: Array, *, target: bool = True, hand_may_touch_target: bool = False) -> bool:
         """Whether posture ``q`` (dof,) rad touches nothing. ``target=False``: as if it were not there."""

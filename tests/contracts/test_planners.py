@@ -144,6 +144,27 @@ def test_a_start_in_collision_is_refused_in_words(planner: Planner, scene: Plann
     assert isinstance(answer, Refusal) and answer.why.startswith("start: ") and "too near to" in answer.why
 
 
+def test_an_arm_where_the_target_will_be_makes_way_for_it(planner: Planner):
+    """The scene has the target where it will be met; the rest of the scene is as it is now."""
+    scene = furnished("ur5_robotiq")
+    qs = free_postures(scene, 60, seed=2)
+    target, size_m = load_object("cube"), (0.1, 0.1, 0.02)
+    scene.set_target(target, Pose.of((0.0, 0.0, -1.0)), size_m, Pose.of((0.0, 0.0, -1.0)))
+    answered = 0
+    for start, goal in zip(qs[::2], qs[1::2], strict=False):
+        scene.move_target(Pose.of(scene.kinematics.fk(start)[:3, 3] + [0.0, 0.07, 0.0]))
+        if scene.clearance_m(start) > 0.0 or not scene.is_free(goal):
+            continue
+        plan = planner.plan(PlanRequest(start, (goal,), None, 1), scene)
+        if isinstance(plan, Plan):
+            answered += 1
+            np.testing.assert_array_equal(plan.path.waypoints[0], start)
+            assert_touches_nothing(plan.path.waypoints[1:], scene)
+            with scene.without_target():
+                assert scene.free_many(dense(plan.path.waypoints[:2], FINE_RAD)).all()
+    assert answered >= 3
+
+
 def test_a_goal_in_collision_is_refused_in_words(planner: Planner, scene: PlanningScene):
     start = free_postures(scene, 1, seed=0)[0]
     qs = np.random.default_rng(0).uniform(scene.kinematics.limits[0], scene.kinematics.limits[1], (200, start.size))

@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 
 from backend.pipeline.values import PlanRequest, Refusal
 from backend.pose import Array
-from backend.sim.planning_scene import MARGIN_M, PlanningScene
+from backend.sim.planning_scene import PlanningScene
 
 LEAVE_STEPS_RAD = (0.02, 0.05, 0.1, 0.2, 0.3)
 """How far, in the joint that moves most, a way out of a safety margin is looked for."""
+MAKE_WAY_STEPS_RAD = (*LEAVE_STEPS_RAD, 0.5, 0.8)
+"""The same for the way out of where the target will be."""
 LEAVE_DIRECTIONS = 24
 LEAVE_RESOLUTION_RAD = 0.02
 LIMIT_TOLERANCE_RAD = 1e-6
@@ -86,21 +88,24 @@ def _lead_out(request: PlanRequest, scene: PlanningScene) -> Array | None:
     clearance_m = scene.clearance_m(q)
     in_its_way = clearance_m <= 0.0
     if in_its_way:
-        clearance_m = min(scene.clearance_m(q, target=False), MARGIN_M)
-        if clearance_m <= 0.0:
-            return None
+        with scene.without_target():
+            if not scene.is_free(q):
+                return None
     rng = np.random.default_rng(request.rng_seed)
     directions = [goal - q for goal in request.goals]
     directions.extend(rng.normal(size=(LEAVE_DIRECTIONS, q.size)))
-    for step_rad in LEAVE_STEPS_RAD:
+    for step_rad in MAKE_WAY_STEPS_RAD if in_its_way else LEAVE_STEPS_RAD:
         for direction in directions:
             end = q + direction * (step_rad / max(float(np.abs(direction).max()), step_rad))
-            if scene.is_free(end) and _keeps_away(q, end, scene, clearance_m - CLOSER_M, target=not in_its_way):
+            if not scene.is_free(end):
+                continue
+            steps = max(2, int(np.ceil(np.abs(end - q).max() / LEAVE_RESOLUTION_RAD)))
+            between = q + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (end - q)
+            if in_its_way:
+                with scene.without_target():
+                    clear = bool(scene.free_many(between).all())
+            else:
+                clear = all(scene.clearance_m(posture) >= clearance_m - CLOSER_M for posture in between)
+            if clear:
                 return np.stack([q, end])
     return None
-
-
-def _keeps_away(q: Array, end: Array, scene: PlanningScene, clearance_m: float, *, target: bool) -> bool:
-    steps = max(2, int(np.ceil(np.abs(end - q).max() / LEAVE_RESOLUTION_RAD)))
-    between = q + np.linspace(0.0, 1.0, steps + 1)[1:-1, None] * (end - q)
-    return all(scene.clearance_m(posture, target=target) >= clearance_m for posture in between)
