@@ -32,7 +32,9 @@ TRACKING_LAST_S = 0.25
 CORRECT_FROM = (1.5e-3, 0.01)
 """A prediction for the arrival that differs by less, in m and rad, is not worth a correction."""
 GIVE_UP_FROM = (0.01, 0.17)
-"""Nor is an approach worth going on with that is so far off, cannot be corrected, and has not slid in yet."""
+"""Nor is an approach worth going on with that is so far off and cannot be corrected, before the hand slides in."""
+GIVE_UP_SLIDING_FROM = (0.025, 0.35)
+"""The same while it slides in: the fingers would close on nothing, so there is nothing to lose."""
 TRUST_S = 0.5
 """A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
@@ -180,7 +182,7 @@ class Pilot:
             corrected = self._cycle.rehearsal.unsafe(corrected, request) or corrected
         if not isinstance(corrected, Refusal):
             self._begin(corrected)
-        elif not sliding and _beyond(off, GIVE_UP_FROM):
+        elif _beyond(off, GIVE_UP_SLIDING_FROM if sliding else GIVE_UP_FROM):
             self._give_up(request.arm, corrected, t_s)
 
     def _give_up(self, arm: ArmState, refusal: Refusal, t_s: float) -> None:

@@ -14,7 +14,9 @@ from backend.knowledge import motion_aware
 from backend.knowledge.motion_aware import load_motion_aware
 from backend.methods import METHODS
 from backend.objects import load_object
-from backend.pipeline.execute import Executor
+from backend.pipeline.execute import Executor, approach
+from backend.pipeline.rehearse import Rehearsal
+from backend.pipeline.values import Phase, Refusal
 from backend.pose import Array
 from backend.record import load_trace
 from backend.scenario import Scenario, load_scenario, with_overrides
@@ -120,6 +122,33 @@ def test_the_papers_charge_makes_about_two_cycles_a_second():
 
 def test_measured_thought_still_grasps():
     assert run_trial(scenario("ur5_linear", "timing.think=measured", "timing.budget_s=0.3"), seed=3).strict
+
+
+def _refuse(*_: object) -> Refusal:
+    return Refusal("nothing passes")
+
+
+def test_a_way_in_that_is_wrong_and_cannot_be_bent_is_given_up_for_another(monkeypatch: pytest.MonkeyPatch):
+    """The belt turns round while the hand settles, and no correction passes: it must not close on nothing."""
+    monkeypatch.setattr(approach, "ALIGN_MPS", 0.01)  # so that it takes its time
+    with Episode(scenario("ur5_linear"), 3) as episode:
+        phases: list[Phase] = []
+        with monkeypatch.context() as refusing:
+            for snapshot in episode.run():
+                phases.append(snapshot.phase)
+                if snapshot.phase == "approach" and "approach" not in phases[:-1]:
+                    episode.apply(SetBeltRate(rate=-1.0))
+                    refusing.setattr(Rehearsal, "unsafe", _refuse)
+                if phases[-2:] == ["approach", "move"]:
+                    break
+            speed_rps = np.abs(episode.world.qd()).max()
+        assert speed_rps < 0.4
+        outcome = None
+        for snapshot in episode.run():
+            phases.append(snapshot.phase)
+            outcome = snapshot.outcome
+    assert list(dict.fromkeys(phases))[:3] == ["watch", "move", "approach"]
+    assert phases.count("close") > 0 and outcome is not None and outcome.strict
 
 
 def test_the_arm_keeps_its_speed_limits():

@@ -114,6 +114,34 @@ def test_a_way_in_goes_on_as_the_arm_moves_whichever_way_the_hand_is_turned(
     assert began > 2
 
 
+def test_the_hand_slides_in_when_it_was_to_however_often_the_prediction_changes(picked: tuple[Candidate, ...]):
+    """As long as the arm can: an approach planned anew with every observation must not put the slide off for ever."""
+    limits = JointLimits(np.full(6, 0.35), np.full(6, 2.0))
+    asked = request(picked[0], picked[0].goals[0])
+    first = approach = plan_approach(KINEMATICS, limits, replace(asked, slide_from_s=1.0))
+    assert isinstance(first, Approach) and isinstance(approach, Approach)
+    rng = np.random.default_rng(0)
+    corrections = 0
+    t_s = 0.05
+    while t_s < approach.slide_s:
+        shift = rng.normal(0.0, 2e-3, 3)
+
+        def shifted(times_s: Array, shift: Array = shift) -> Array:
+            Ts = object_at(times_s)
+            Ts[:, :3, 3] += shift
+            return Ts
+
+        arm = ArmState(*approach.trajectory.sample(t_s), t_s)
+        answer = plan_approach(KINEMATICS, limits, replace(asked, arm=arm, object_at=shifted).instead_of(approach))
+        if isinstance(answer, Approach):
+            approach = answer
+            corrections += 1
+        t_s += 0.05
+    assert corrections >= 10
+    assert approach.slide_s == pytest.approx(first.slide_s, abs=0.15)
+    assert approach.arrive_s == pytest.approx(first.arrive_s, abs=0.4)
+
+
 def test_an_obstacle_in_the_way_is_named(picked: tuple[Candidate, ...]):
     scene = standing_on_the_belt()
     scene.add_object(load_object("sugar_box"), START)

@@ -24,8 +24,8 @@ SHORTEST_ALIGN_S = 0.25
 """The hand settles onto the grasp's axis at about these speeds, and takes at least so long."""
 RATES_OVER_S = 0.01
 """Half the time over which the hand's rates relative to the grasp are measured."""
-SHORTEST_CORRECTION_S = 0.05
-"""For the last correction before the hand slides in."""
+SETTLES_YET_S = 0.25
+"""A hand that is to slide in at some moment may settle so long after it: a slide begins slowly."""
 KEPT_SHARE = 0.9
 """A slide that had to be slow is corrected to one that may be quicker by so much."""
 STRETCHES = 6
@@ -65,14 +65,14 @@ class ApproachRequest:
     """Shortest time from pregrasp to grasp."""
     ride_s: float
     """How long to ride along after the arrival."""
-    align_s: float = SHORTEST_ALIGN_S
-    """Shortest time to settle onto the grasp's axis."""
+    slide_from_s: float | None = None
+    """When to slide in, counted from the arm's moment; None: when the hand has settled onto the grasp's axis."""
 
     def instead_of(self, approach: Approach) -> ApproachRequest:
         """The same, to slide in when ``approach`` would, though the prediction is another now."""
         left_s = approach.slide_s - self.arm.t_s
         slid_s = KEPT_SHARE * (approach.arrive_s - approach.slide_s)
-        return replace(self, align_s=max(left_s, SHORTEST_CORRECTION_S), slide_s=max(self.slide_s, slid_s))
+        return replace(self, slide_from_s=left_s, slide_s=max(self.slide_s, slid_s))
 
 
 def plan_approach(kinematics: Kinematics, limits: JointLimits, request: ApproachRequest) -> Approach | Refusal:
@@ -84,25 +84,26 @@ def plan_approach(kinematics: Kinematics, limits: JointLimits, request: Approach
     offset, drift, spin = _relative_state(kinematics, request)
     sideways_m = float(np.linalg.norm(offset[:3, 3] + [0.0, 0.0, request.backoff_m]))
     turn_rad = float(np.linalg.norm(rotvec(offset[:3, :3])))
-    align_s = max(request.align_s, sideways_m / ALIGN_MPS, turn_rad / ALIGN_RPS)
+    align_s = max(SHORTEST_ALIGN_S, sideways_m / ALIGN_MPS, turn_rad / ALIGN_RPS)
     slide_s = request.slide_s
     back = np.array([0.0, 0.0, -request.backoff_m])
     for _ in range(STRETCHES):
-        t_s = knot_times(align_s + slide_s + request.ride_s)
-        still_back = to_zero(np.ones(1), np.zeros(1), slide_s, np.maximum(t_s - align_s, 0.0))
+        from_s = align_s if request.slide_from_s is None else max(request.slide_from_s, align_s - SETTLES_YET_S)
+        t_s = knot_times(from_s + slide_s + request.ride_s)
+        still_back = to_zero(np.ones(1), np.zeros(1), slide_s, np.maximum(t_s - from_s, 0.0))
         place = still_back * back + to_zero(offset[:3, 3] - back, drift, align_s, t_s)
         turn = to_zero(rotvec(offset[:3, :3]), spin, align_s, t_s)
         trajectory = _followed(kinematics, request, t_s, place, turn)
         if trajectory is None:
             return Refusal("the arm cannot follow the approach on one IK branch")
         aligning = limit_ratio(trajectory, limits, until_s=align_s)
-        sliding = limit_ratio(trajectory, limits, from_s=align_s)
+        sliding = limit_ratio(trajectory, limits, from_s=from_s)
         if max(aligning, sliding) <= WITHIN:
-            slide_start_s = request.arm.t_s + align_s
+            slide_start_s = request.arm.t_s + from_s
             return _approach(trajectory, slide_start_s, slide_start_s + slide_s, request)
         align_s *= _stretch(aligning)
         slide_s *= _stretch(sliding)
-        if align_s + slide_s > LONGEST_S:
+        if from_s + slide_s > LONGEST_S:
             break
     return Refusal("the joints are too slow for the approach")
 
