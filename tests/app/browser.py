@@ -90,6 +90,17 @@ def slider_box(page: Page, label: str) -> Locator:
     return page.locator(f'xpath=//*[@id="{uuid}"]/ancestor::*[.//input[@type="text"]][1]//input[@type="text"]')
 
 
+def look_back(page: Page, newest_s: float, to_s: float) -> None:
+    """Type a time into the timeline, once that has come to rest at the newest moment of a paused trial."""
+    box = slider_box(page, "Time, s")
+    for _ in range(200):
+        if abs(float(box.input_value() or "nan") - newest_s) < 0.15:
+            break
+        page.wait_for_timeout(50)
+    box.fill(f"{to_s:g}")
+    page.keyboard.press("Enter")
+
+
 def close_notifications(page: Page) -> None:
     """Close what viser itself has to say, such as that it draws without a graphics card."""
     for notification in page.locator(".mantine-Notification-closeButton").all():

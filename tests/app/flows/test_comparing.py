@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.app.browser import button, choose, node_position, open_page, slider_box, tab, wait_for_node
+from tests.app.browser import button, choose, look_back, node_position, open_page, tab, wait_for_node
 from tests.app.served import Served, begin_anew, play_to, wait_for
 
 GONE = "name => !(name in window.__viserMutable.nodeRefFromName) || !window.__viserMutable.nodeRefFromName[name]"
@@ -51,8 +51,7 @@ def test_both_are_looked_back_at_and_a_link_opens_both(served: Served, browser: 
     wait_for(served, lambda s: int(str(s["tick"])) >= 150)
     served.command(kind="set_paused", paused=True)
     newest = wait_for(served, lambda s: s["paused"] is True)
-    slider_box(page, "Time, s").fill("1")
-    page.keyboard.press("Enter")
+    look_back(page, float(str(newest["t_s"])), 1.0)
     wait_for(served, lambda s: s["looked_at_s"] == pytest.approx(1.0, abs=0.4))  # a busy machine keeps fewer moments
     for name in ("/object/body", "/beside/object/body"):
         page.wait_for_function(

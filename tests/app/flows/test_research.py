@@ -14,10 +14,10 @@ from tests.app.browser import (
     choose,
     click_scene,
     is_dark,
+    look_back,
     node_position,
     on_screen,
     open_page,
-    slider_box,
     tab,
     wait_for_node,
 )
@@ -78,8 +78,7 @@ def test_a_part_of_the_method_is_switched_alone_and_its_own_settings_come(served
 def test_the_past_is_looked_at_and_gone_on_from(served: Served, page: Page) -> None:
     play_to(served, 150)
     before = served.state()
-    slider_box(page, "Time, s").fill("2")
-    page.keyboard.press("Enter")
+    look_back(page, float(str(before["t_s"])), 2.0)
     wait_for(served, lambda s: s["looked_at_s"] == pytest.approx(2.0, abs=0.15))
     expect(page.get_by_text("Looking back at")).to_be_visible()
     page.wait_for_function("() => window.__viserMutable.nodeRefFromName['/object/body'].position.y < -0.35")
