@@ -25,6 +25,7 @@ MOST_AT_ONCE = 8
 LOOK_EVERY_S = 0.1
 """Time between two looks at whether arm and moving object meet."""
 LEFT_AFTER = 15
+"""Looks, 1.5 s: the hand is drawn out from beside an object in about so long."""
 
 
 @dataclass(frozen=True, eq=False)

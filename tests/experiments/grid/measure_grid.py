@@ -37,7 +37,7 @@ TWO_AGAINST_ONE = 1.8
 WORKER_MB = 450.0
 WARM_UP_ROWS = 20
 """Not counted in a rate: the first trials load what is kept for the others."""
-KILLED_AFTER_S = (2.0, 20.0)
+KILLED_AFTER_S = (1.0, 10.0)
 LOOK_S = 0.5
 
 
@@ -86,7 +86,7 @@ class Grid:
             while process.poll() is None:
                 time.sleep(LOOK_S)
                 seen.append((time.monotonic(), len(self.rows(name))))
-                most_MB = max(most_MB, *children_MB(process.pid))
+                most_MB = max([most_MB, *children_MB(process.pid)])
             assert process.returncode == 0, f"the grid `{name}` ended with {process.returncode}"
         (begin_s, first), (end_s, last) = next(s for s in seen if s[1] >= WARM_UP_ROWS), seen[-1]
         return Course(self.rows(name), (last - first) / (end_s - begin_s), most_MB)
@@ -122,20 +122,24 @@ def differences(part: str, rows: list[GridRow], wanted: list[GridRow]) -> Iterat
     )
 
 
-def kill(grid: Grid, name: str, times: int, seed: int) -> int:
-    """Begin a grid, kill it at a random moment, again and again; then let it end. How many rows the last kill left."""
+def kill(grid: Grid, name: str, times: int, seed: int) -> tuple[int, int]:
+    """Begin a grid and kill it at a random moment, so often; then let it end.
+
+    How often it had not ended before that moment, and how many rows the last kill left.
+    """
     chance = np.random.default_rng(seed)
-    left = 0
+    killed = left = 0
     for _ in range(times):
         with grid.begun(name) as process:
             try:
                 process.wait(float(chance.uniform(*KILLED_AFTER_S)))
             except subprocess.TimeoutExpired:
                 os.kill(process.pid, signal.SIGKILL)
+                killed += 1
         left = len(grid.rows(name))
     with grid.begun(name) as process:
         assert process.wait() == 0
-    return left
+    return killed, left
 
 
 def lose_a_node(grid: Grid, name: str) -> int:
@@ -164,9 +168,9 @@ def measure(grid: Grid, kills: int, with_ray: bool) -> Iterator[Figure]:
     yield Figure("throughput", "two against one", two.trials_hz / one.trials_hz, "x", ">=", TWO_AGAINST_ONE)
     yield Figure("throughput", "most memory of a worker", max(one.worker_MB, two.worker_MB), "MB", "<=", WORKER_MB)
     yield from differences("one worker", one.rows, two.rows)
-    there = kill(grid, "killed", kills, seed=0)
-    yield Figure("killed", "times", kills)
-    yield Figure("killed", "rows there at the last kill", there, of=grid.trials)
+    killed, left = kill(grid, "killed", kills, seed=0)
+    yield Figure("killed", "times, before it had ended", killed, of=kills)
+    yield Figure("killed", "rows there after the last", left, of=grid.trials)
     yield from differences("killed", grid.rows("killed"), two.rows)
     if with_ray:
         yield Figure("two Ray nodes", "rows there when a node was lost", lose_a_node(grid, "ray"), of=grid.trials)
