@@ -127,10 +127,12 @@ class Desk:
         given the trial is the one that was asked for, edits that came with it included; any change drops those.
         """
         now = self.session.state.restart
-        if self.session.state.info.values.start is not None and any(
-            path.startswith("task.") for path in overrides or ()
-        ):
-            raise InvalidInputError("This trial begins as its file says under [start], whatever its task would draw.")
+        begun = self.session.state.info.values.start is not None
+        if begun and any(path.startswith("task.") for path in overrides or ()):
+            raise InvalidInputError(
+                "This trial begins as its file says under [start], whatever its task would draw. "
+                "Choose a scenario of the list to have it drawn."
+            )
         if scenario is not None and scenario != now.scenario:
             return self.begin(scenario=scenario, seed=now.seed if seed is None else seed, compare=now.compare)
         same = seed is None and not overrides
