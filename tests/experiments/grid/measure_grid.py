@@ -144,7 +144,7 @@ def kill(grid: Grid, name: str, times: int, seed: int) -> tuple[int, int]:
 
 def lose_a_node(grid: Grid, name: str) -> int:
     """Run on two Ray nodes and take one away half-way; how many rows there were then."""
-    from ray.cluster_utils import Cluster
+    from ray.cluster_utils import Cluster  # pyright: ignore[reportMissingImports]
 
     cluster: Any = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
     node = cluster.add_node(num_cpus=1)
