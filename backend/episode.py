@@ -121,6 +121,7 @@ class Episode:
 
     def _advance(self) -> Outcome | None:
         """One tick of physics steps, cut short by the end of the trial."""
+        executor = self._pilot.executor
         for _ in range(STEPS_PER_TICK):
             t_s = self.world.t_s
             self._sensor.look(self.world)
@@ -129,7 +130,8 @@ class Episode:
             cycle = self._pilot.consider(t_s)
             if cycle is not None:
                 self.recorder.cycle(cycle)
-            self.world.step(*self._pilot.executor.targets(t_s))
+            self.world.handle(executor.phase not in ("watch", "move"))
+            self.world.step(*executor.targets(t_s))
             self._change_phase()
             outcome = self._ended()
             if outcome is not None:

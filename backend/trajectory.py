@@ -57,11 +57,16 @@ class Trajectory:
 
     def sample(self, t_s: float) -> tuple[Array, Array]:
         """(q, qd) at ``t_s`` by cubic Hermite interpolation; outside the grid the nearest end, standing still."""
+        q, qd = self.sample_plain(t_s)
+        return np.array(q), np.array(qd)
+
+    def sample_plain(self, t_s: float) -> tuple[list[float], list[float]]:
+        """The same as plain numbers, which is quicker where they are not calculated with."""
         times = self._times
         if t_s <= times[0]:
-            return self.q[0], (self.qd[0] if t_s > times[0] - SAME_MOMENT_S else np.zeros_like(self.qd[0]))
+            return self.q[0].tolist(), self.qd[0].tolist() if t_s > times[0] - SAME_MOMENT_S else self._still
         if t_s >= times[-1]:
-            return self.q[-1], np.zeros_like(self.qd[-1])
+            return self._end, self._still
         i = bisect_right(times, t_s) - 1
         h = times[i + 1] - times[i]
         u = (t_s - times[i]) / h
@@ -69,7 +74,7 @@ class Trajectory:
         joints = self._piece(i)
         q = [q0 + u * (v0 + u * (c2 + u * c3)) for q0, v0, c2, c3 in joints]
         qd = [(v0 + u * (2.0 * c2 + u3 * c3)) / h for _, v0, c2, c3 in joints]
-        return np.array(q), np.array(qd)
+        return q, qd
 
     def positions(self, t_s: Array) -> Array:
         """(m, dof) q at times (m,), as ``sample`` has it."""
@@ -92,6 +97,14 @@ class Trajectory:
         inside = v0 + h * share * (a0 + 0.5 * share * (a1 - a0))
         velocity = np.abs(np.concatenate([v0, v1, inside])).max(axis=0, initial=0.0)
         return velocity, np.abs(np.concatenate([a0, a1])).max(axis=0, initial=0.0)
+
+    @cached_property
+    def _end(self) -> list[float]:
+        return self.q[-1].tolist()
+
+    @cached_property
+    def _still(self) -> list[float]:
+        return [0.0] * self.q.shape[1]
 
     @cached_property
     def _times(self) -> list[float]:

@@ -17,7 +17,6 @@ from backend.objects import load_object
 from backend.pipeline.execute import Executor, approach
 from backend.pipeline.rehearse import Rehearsal
 from backend.pipeline.values import Phase, Refusal
-from backend.pose import Array
 from backend.record import load_trace
 from backend.scenario import Scenario, load_scenario, with_overrides
 from backend.sim.bullet import STEP_S
@@ -161,10 +160,10 @@ def test_the_arm_keeps_its_speed_limits():
 
 def test_the_arm_never_hesitates_where_a_new_plan_takes_over(monkeypatch: pytest.MonkeyPatch):
     """What the arm is asked for at every physics step: positions and velocities agree, and neither jumps."""
-    asked: list[tuple[Array, Array]] = []
+    asked: list[tuple[list[float], list[float]]] = []
     targets = Executor.targets
 
-    def noted(self: Executor, t_s: float) -> tuple[Array, Array]:
+    def noted(self: Executor, t_s: float) -> tuple[list[float], list[float]]:
         if self.phase == "move":
             asked.append(targets(self, t_s))
         return targets(self, t_s)

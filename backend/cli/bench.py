@@ -72,9 +72,9 @@ def _ratio(scenario: Scenario, trials: int) -> dict[str, float]:
             trial_s += time.perf_counter() - begun_s
             done = episode.world.steps
         with Episode(scenario, seed) as episode:
-            q, qd = episode.world.q(), np.zeros_like(episode.world.q())
+            q = episode.world.q().tolist()
             begun_s = time.perf_counter()
-            episode.world.step_bare(q, qd, done)
+            episode.world.step_bare(q, [0.0] * len(q), done)
             bare_s += time.perf_counter() - begun_s
         steps += done
     return {"bare_steps_per_s": steps / bare_s, "trial_to_bare": trial_s / bare_s, "trials": float(trials)}

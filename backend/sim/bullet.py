@@ -90,6 +90,10 @@ class Bullet:
         for _ in range(count):
             _p.stepSimulation(physicsClientId=client)
 
+    def set_solver_iterations(self, count: int) -> None:
+        """How often at most the coming steps go through all contacts, motors and ties."""
+        _p.setPhysicsEngineParameter(numSolverIterations=count, physicsClientId=self.id)
+
     def remember(self) -> int:
         """Keep where everything is and how it moves; returns a number for ``recall``."""
         state: int = _p.saveState(physicsClientId=self.id)
@@ -180,15 +184,15 @@ class Bullet:
         """The same without turning."""
         _p.changeConstraint(constraint, jointChildPivot=xyz_m.tolist(), physicsClientId=self._id)
 
-    def carry(self, body: int, xyz_m: Array, wxyz: Array, velocity_mps: Array) -> None:
+    def carry(self, body: int, xyz_m: Sequence[float], wxyz: Sequence[float], velocity_mps: Sequence[float]) -> None:
         """Drive a free, heavy, symmetric body through the coming step: from a position, at a velocity.
 
         Bullet's kinematic bodies stand still for friction, and a tie lags behind and jerks at the start; a
         body put on its way before every step, against gravity, carries its load without slip.
         """
-        w, x, y, z = wxyz.tolist()
-        vx, vy, vz = velocity_mps.tolist()
-        _p.resetBasePositionAndOrientation(body, xyz_m.tolist(), (x, y, z, w), physicsClientId=self._id)
+        w, x, y, z = wxyz
+        vx, vy, vz = velocity_mps
+        _p.resetBasePositionAndOrientation(body, xyz_m, (x, y, z, w), physicsClientId=self._id)
         against = vz + GRAVITY_MPS2 * STEP_S
         _p.resetBaseVelocity(body, (vx, vy, against), (0.0, 0.0, 0.0), physicsClientId=self._id)
 
@@ -222,7 +226,7 @@ class Bullet:
         """Put a joint at ``rad``, moving at ``rate_rps``."""
         _p.resetJointState(body, joint, rad, rate_rps, physicsClientId=self.id)
 
-    def drive(self, body: int, joint: int, rad: float, max_force: float, gain: float = 0.1) -> None:
+    def drive(self, body: int, joint: int, rad: float, max_force: float, gain: float) -> None:
         """A position motor on one joint."""
         _p.setJointMotorControl2(
             body,

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
 PAD_FRICTION = 1.0
 """Rubber pads; a contact has the product of this and the object's."""
 HAND_FORCE_N = 5e3
+FOLLOWER_GAIN = 0.1
+"""Position gain of the joints that go where the master is."""
 
 
 class Hand:
@@ -55,7 +57,7 @@ class Hand:
         at_rad = self.finger_rad()
         for follower in gripper.followers:
             joint = self._joints[follower.joint]
-            bullet.drive(self.body, joint, follower.multiplier * at_rad, follower.max_force)
+            bullet.drive(self.body, joint, follower.multiplier * at_rad, follower.max_force, FOLLOWER_GAIN)
         return at_rad
 
     def place_fingers(self, rad: float, rate_rps: float) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
-from backend.sim.hand import Hand
+from backend.sim.hand import FOLLOWER_GAIN, Hand
 
 if TYPE_CHECKING:
     from backend.sim.bullet import Bullet
@@ -23,9 +23,12 @@ class Robot(Hand):
 
     def __init__(self, bullet: Bullet, body: int, model: RobotModel) -> None:
         super().__init__(bullet, body, model)
+        gripper, followers = self._gripper, self._gripper.followers
         self._arm = [self._joints[name] for name in model.description.arm_joints]
-        self._efforts = list(model.description.joint_effort_nm)
-        self._gains = [POSITION_GAIN] * len(self._arm)
+        self._driven = [*self._arm, self._master, *(self._joints[follower.joint] for follower in followers)]
+        self._forces = [*model.description.joint_effort_nm, gripper.max_force, *(f.max_force for f in followers)]
+        self._gains = [POSITION_GAIN] * len(self._arm) + [gripper.position_gain] + [FOLLOWER_GAIN] * len(followers)
+        self._hand_still = [0.0] * (1 + len(followers))
 
     def q(self) -> Array:
         """(dof,) rad."""
@@ -35,16 +38,19 @@ class Robot(Hand):
         """(dof,) rad/s."""
         return np.array([state[1] for state in self._states()])
 
-    def command(self, q: Array, qd: Array) -> None:
-        """Follow a reference that is at ``q`` (dof,) rad now and moves at ``qd`` (dof,) rad/s."""
-        self._bullet.drive_all(self.body, self._arm, q.tolist(), qd.tolist(), self._efforts, self._gains)
+    def command(self, q: Sequence[float], qd: Sequence[float], gripper_rad: float) -> None:
+        """Follow a reference that is at ``q`` (dof,) rad now and moves at ``qd`` (dof,) rad/s; fingers to an angle."""
+        at_rad = self.finger_rad()
+        following = [follower.multiplier * at_rad for follower in self._gripper.followers]
+        wanted = [*q, gripper_rad, *following]
+        self._bullet.drive_all(self.body, self._driven, wanted, [*qd, *self._hand_still], self._forces, self._gains)
 
     def reset(self, q: Array, gripper_rad: float) -> None:
         """Be at rest at ``q`` (dof,) rad with the fingers at ``gripper_rad``, and stay there."""
         for joint, rad in zip(self._arm, q, strict=True):
             self._bullet.reset_joint(self.body, joint, float(rad))
         self.reset_fingers(gripper_rad)
-        self.command(q, np.zeros_like(q))
+        self.command(q.tolist(), [0.0] * len(self._arm), gripper_rad)
 
     def tcp(self) -> Pose:
         """T_world_tcp."""

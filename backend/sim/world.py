@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Self
 
 import numpy as np
@@ -11,7 +12,7 @@ from backend.events import MoveObstacle, SetBeltRate, WorldEvent
 from backend.objects import load_object
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
-from backend.sim.bullet import STEP_S, Bullet, GripperDrive
+from backend.sim.bullet import SOLVER_ITERATIONS, STEP_S, Bullet, GripperDrive
 from backend.sim.conveyor import Conveyor
 from backend.tasks.setup import TrialSetup
 
@@ -23,6 +24,8 @@ LOOK_EVERY = 12
 REST_SPEED_MPS = 1e-4
 """Settling ends when nothing is faster, metres or radians per second, at one of every 12 steps after the 48th."""
 NO_SPIN = np.zeros(3)
+FREE_ITERATIONS = 30
+"""Of the solver while the hand is away from the object: arm and load go the same way to 0.4 mrad and 0.02 mm."""
 
 
 class World:
@@ -36,16 +39,18 @@ class World:
         self.steps = 0
         self._seen = (-1, Pose.identity())
         """The step at which the object was last looked at, and where it was: senses, judge and record all ask."""
-        self._bullet = Bullet()
+        self._handling = False
+        self._bullet = Bullet(FREE_ITERATIONS)
         self._floor = self._bullet.add_floor()
         home = np.array(model.description.home_rad)
         self._robot = self._bullet.add_robot(model, home, model.description.gripper.open_rad)
         self.gripper = GripperDrive(model.description.gripper)
-        self._tray_center = Pose.of((0.0, 0.0, -setup.tray_size_m[2] / 2))
-        self._T_center_tray = self._tray_center.inverse()
+        self._tray_half_m = setup.tray_size_m[2] / 2
+        T_tray_center = Pose.of((0.0, 0.0, -self._tray_half_m))
+        self._T_center_tray = T_tray_center.inverse()
         T_world_tray = self.conveyor.pose
-        self._tray_wxyz = T_world_tray.wxyz
-        self._tray = self._bullet.add_box(setup.tray_size_m, T_world_tray @ self._tray_center, mass_kg=TRAY_MASS_KG)
+        self._tray_wxyz: list[float] = T_world_tray.wxyz.tolist()
+        self._tray = self._bullet.add_box(setup.tray_size_m, T_world_tray @ T_tray_center, mass_kg=TRAY_MASS_KG)
         self._bullet.ignore_contacts(self._tray, "", self._robot.body, "")
         self._bullet.ignore_contacts(self._tray, "", self._floor, "")
         T_tray_object = Pose.from_xyz_yaw((0.0, 0.0, 0.0), setup.object_yaw_rad)
@@ -70,19 +75,25 @@ class World:
         """Simulated time since the belt started."""
         return self.steps * STEP_S
 
-    def step(self, q: Array, qd: Array) -> None:
+    def handle(self, handling: bool) -> None:
+        """Say whether the hand is at the object or on its way in: only then are contacts solved as long as it takes."""
+        if handling != self._handling:
+            self._handling = handling
+            self._bullet.set_solver_iterations(SOLVER_ITERATIONS if handling else FREE_ITERATIONS)
+
+    def step(self, q: Sequence[float], qd: Sequence[float]) -> None:
         """One physics step towards joint positions ``q`` (dof,) rad moving at ``qd`` (dof,) rad/s."""
-        before = np.array(self.conveyor.xyz_m)
+        x, y, z = self.conveyor.xyz_m
         self.conveyor.advance(STEP_S)
-        self._carry(before, (self.conveyor.xyz_m - before) / STEP_S)
-        self._robot.command(q, qd)
-        self._robot.command_gripper(self.gripper.update(STEP_S))
+        to_x, to_y, to_z = self.conveyor.xyz_m
+        self._carry(x, y, z, ((to_x - x) / STEP_S, (to_y - y) / STEP_S, (to_z - z) / STEP_S))
+        self._robot.command(q, qd, self.gripper.update(STEP_S))
         self._bullet.step()
         self.steps += 1
 
-    def step_bare(self, q: Array, qd: Array, count: int) -> None:
+    def step_bare(self, q: Sequence[float], qd: Sequence[float], count: int) -> None:
         """Nothing but physics: hold the arm at ``q`` and step, for comparison with whole trials."""
-        self._robot.command(q, qd)
+        self._robot.command(q, qd, self.gripper.target_rad)
         self._bullet.step(count)
         self.steps += count
 
@@ -163,19 +174,17 @@ class World:
         """Sum of the normal forces between the robot's links and the object in the last step, N."""
         return sum(contact.normal_force_n for contact in self._bullet.contacts(self._target, self._robot.body))
 
-    def _carry(self, tray_xyz_m: Array, velocity_mps: Array) -> None:
-        """Drive the tray through the coming step; it never turns."""
-        self._bullet.carry(self._tray, tray_xyz_m + self._tray_center.xyz_m, self._tray_wxyz, velocity_mps)
+    def _carry(self, x_m: float, y_m: float, z_m: float, velocity_mps: Sequence[float]) -> None:
+        """Drive the tray, its top's middle there, through the coming step; it never turns."""
+        self._bullet.carry(self._tray, (x_m, y_m, z_m - self._tray_half_m), self._tray_wxyz, velocity_mps)
 
     def _settle(self, home: Array) -> None:
         """Let everything come to rest on the standing belt, then set the belt and its load in motion."""
-        T_world_tray = self.conveyor.pose
-        still = np.zeros_like(home)
+        at_m, hold, still = self.conveyor.xyz_m, home.tolist(), [0.0] * len(home)
         bodies = [self._target, *self._obstacles]
         for k in range(int(SETTLE_S / STEP_S)):
-            self._carry(T_world_tray.xyz_m, NO_SPIN)
-            self._robot.command(home, still)
-            self._robot.command_gripper(self.gripper.update(STEP_S))
+            self._carry(*at_m, NO_SPIN.tolist())
+            self._robot.command(hold, still, self.gripper.update(STEP_S))
             self._bullet.step()
             if k % LOOK_EVERY == 0 and k > LEAST_SETTLING:
                 speeds = [np.abs(np.concatenate(self._bullet.velocity(body))).max() for body in bodies]

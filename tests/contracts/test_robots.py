@@ -200,7 +200,7 @@ def test_the_arm_follows_its_reference(model: RobotModel):
         worst_rad = 0.0
         for k in range(360):
             q, qd = _swing(home, speed, k * STEP_S)
-            robot.command(q, qd)
+            robot.command(q.tolist(), qd.tolist(), model.description.gripper.open_rad)
             bullet.step()
             worst_rad = max(worst_rad, np.abs(robot.q() - _swing(home, speed, (k + 1) * STEP_S)[0]).max())
     assert worst_rad < 1e-3
@@ -267,8 +267,7 @@ def _carry(bullet: Bullet, hand: HandAlone, drive: GripperDrive, from_m: float, 
 def _follow(bullet: Bullet, robot: Robot, drive: GripperDrive, way: Array):
     speeds: Array = np.asarray(np.gradient(way, STEP_S, axis=0), dtype=np.float64)
     for q, qd in zip(way, speeds, strict=True):
-        robot.command(q, qd)
-        robot.command_gripper(drive.update(STEP_S))
+        robot.command(q.tolist(), qd.tolist(), drive.update(STEP_S))
         bullet.step()
 
 

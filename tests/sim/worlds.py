@@ -4,7 +4,6 @@ import numpy as np
 
 from backend.kinematics import load_kinematics
 from backend.objects import load_object
-from backend.pose import Array
 from backend.robots.models import load_model
 from backend.scenario import Scenario, load_scenario
 from backend.sim.world import World
@@ -20,7 +19,7 @@ def world_of(scenario: str | Scenario, object_name: str, seed: int = 3) -> World
     return World(model, object_name, setup)
 
 
-def standing(world: World) -> tuple[Array, Array]:
+def standing(world: World) -> tuple[list[float], list[float]]:
     """(q, qd) of an arm that stays at home."""
-    home = np.array(world.model.description.home_rad)
-    return home, np.zeros_like(home)
+    home = list(world.model.description.home_rad)
+    return home, [0.0] * len(home)

@@ -60,10 +60,10 @@ class Executor:
         self.approach = None
         self.phase = "move"
 
-    def targets(self, t_s: float) -> tuple[Array, Array]:
+    def targets(self, t_s: float) -> tuple[list[float], list[float]]:
         """(q, qd) for the physics step that begins at ``t_s``."""
         self.take_over(t_s)
-        return self._current.sample(t_s)
+        return self._current.sample_plain(t_s)
 
     def take_over(self, t_s: float) -> None:
         """Put the next trajectory in force if its time has come."""
