@@ -23,6 +23,7 @@ from backend.pipeline.horizon import Underway, horizons_s, in_time
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
+from backend.pipeline.reasons import with_others
 from backend.pipeline.rehearse import LOOK_EVERY_S, Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
@@ -154,7 +155,7 @@ class Cycle:
         with watch("pick"):
             picked, refused = pick_nearest(short, context)
         ways_rad = {candidate.index: candidate.joint_distance_rad for candidate in picked}
-        short = replace(short, rejected={**short.rejected, **refused}, joint_distance_rad=ways_rad)
+        short = replace(short, rejected=with_others(short.rejected, refused), joint_distance_rad=ways_rad)
         result = replace(result, shortlist=short, ik_calls=2 * len(short.kept))
         if not picked:
             result = replace(result, refused_by="pick", why=next(iter(refused.values())))
@@ -184,7 +185,7 @@ class Cycle:
 
         picked, refused = self.rehearsal.from_the_first_that_works(picked, start.trusted, request)
         self.scene.move_target(prediction.pose(1))
-        return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
+        return picked, replace(result, shortlist=replace(short, rejected=with_others(short.rejected, refused)))
 
     def _move(
         self,
