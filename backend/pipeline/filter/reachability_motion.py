@@ -23,12 +23,12 @@ def shortlist_by_both(config: ReachabilityMotion, candidates: Candidates, contex
     unheld = replace(context, held=None)
     by_motion = shortlist_by_motion(MotionAware(keep=config.keep_each), candidates, unheld)
     in_turn = chain.from_iterable(zip_longest(by_reach.kept, by_motion.kept))
-    kept = tuple(dict.fromkeys(i for i in in_turn if i is not None))
+    kept = dict.fromkeys(i for i in in_turn if i is not None)
     out = [i for i in by_reach.rejected if i not in kept]
     rejected = Reasons(out, lambda i: _why(by_reach.rejected[i], by_motion.rejected[i]))
     return Shortlist(
         candidates,
-        kept,
+        tuple(kept),
         np.full(len(candidates.quality), np.nan),
         rejected,
         reachability_m=by_reach.reachability_m,
