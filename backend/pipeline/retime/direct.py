@@ -74,7 +74,8 @@ def _motion(q: Array, qd: Array, goal: Array, v: Array, a: Array) -> tuple[Array
             way = speeding_up + kept[j] * (middle + braking[j] * last * (1.0 - 0.5 * last))
             qs[i, j], qds[i, j] = q[j] + STEP_S * way, qd[j] + first * (kept[j] - qd[j]) - last * kept[j]
     qs[-1], qds[-1] = goal, 0.0
-    return STEP_S * knots, qs, qds
+    t_s = knots * np.float64(STEP_S)
+    return t_s, qs, qds
 
 
 @kernel
