@@ -23,6 +23,7 @@ from backend.pipeline.horizon import Underway, horizons_s, in_time
 from backend.pipeline.pick import pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
+from backend.pipeline.reasons import with_others
 from backend.pipeline.rehearse import LOOK_EVERY_S, Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
@@ -81,6 +82,7 @@ class Cycle:
         self._rng = rng
         self._reachability = _field_for(method.filter, robot)
         self._in_motion = _grasps_in_motion_for(method.filter, grasps)
+        self._T_grasp_pregrasp = Pose.of((0.0, 0.0, -robot.backoff_m))
         self._planner: Planner = make_planner(method.planner)
         self.rehearsal = Rehearsal(kinematics, scene, limits, method.execution.lift_m, method.rehearsal)
 
@@ -99,7 +101,7 @@ class Cycle:
     def _rooms(self, start: CycleStart, predictor: Predictor, watch: _Stopwatch) -> CycleResult:
         ready_s = start.now_s + self._think.expected_s()
         result = CycleResult(start.number, start.observed_s, start.now_s + self._think.refused_s(0))
-        if predictor.predict(np.array([ready_s])) is None:
+        if start.held is None and predictor.predict(np.array([ready_s])) is None:
             return replace(result, refused_by="predict", why="the object has not been seen yet")
         arm = start.arm_at(ready_s)
         with watch("predict"):
@@ -141,23 +143,27 @@ class Cycle:
             times_s = np.array([arm.t_s, meeting_s, meeting_s + self.method.execution.approach_s])
             prediction = predictor.predict(times_s)
         assert prediction is not None
-        result = replace(result, prediction=prediction)
         with watch("convert"):
             candidates = convert(self._grasps, prediction.pose(1), self.robot.backoff_m)
             self.scene.move_target(prediction.pose(1))
-        context = self._context(start, arm.t_s, prediction)
+        context = self._context(start, arm, prediction)
         with watch("filter"):
             short = shortlist(self.method.filter, candidates, context)
-        result = replace(result, shortlist=short)
         if not short.kept:
-            return replace(result, refused_by="filter", why="no grasp of the database can be reached"), ()
+            why = "no grasp of the database can be reached"
+            return replace(result, prediction=prediction, shortlist=short, refused_by="filter", why=why), ()
         with watch("pick"):
             picked, refused = pick_nearest(short, context)
         ways_rad = {candidate.index: candidate.joint_distance_rad for candidate in picked}
-        short = replace(short, rejected={**short.rejected, **refused}, joint_distance_rad=ways_rad)
-        result = replace(result, shortlist=short, ik_calls=2 * len(short.kept))
-        if not picked:
-            result = replace(result, refused_by="pick", why=next(iter(refused.values())))
+        short = replace(short, rejected=with_others(short.rejected, refused), joint_distance_rad=ways_rad)
+        result = replace(
+            result,
+            prediction=prediction,
+            shortlist=short,
+            ik_calls=2 * len(short.kept),
+            refused_by=None if picked else "pick",
+            why="" if picked else next(iter(refused.values())),
+        )
         return result, picked
 
     def approach_request(self, arm: ArmState, T_object_grasp: Pose, predictor: Predictor) -> ApproachRequest:
@@ -184,7 +190,9 @@ class Cycle:
 
         picked, refused = self.rehearsal.from_the_first_that_works(picked, start.trusted, request)
         self.scene.move_target(prediction.pose(1))
-        return picked, replace(result, shortlist=replace(short, rejected={**short.rejected, **refused}))
+        if not refused:
+            return picked, result
+        return picked, replace(result, shortlist=replace(short, rejected=with_others(short.rejected, refused)))
 
     def _move(
         self,
@@ -203,31 +211,31 @@ class Cycle:
                 break
             asked = left[: self._planner.grasps_at_once]
             choices = [(candidate, goal.q_pregrasp) for candidate in asked for goal in candidate.goals]
-            result = replace(result, picked=asked[0], seed_path=seed_path, refused_by=None, why="")
             with watch("plan"):
                 rng_seed = int(self._rng.integers(1, 2**31))
                 request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
                 plan = self._planner.plan(request, self.scene)
             if isinstance(plan, Refusal):
-                result = replace(result, refused_by="plan", why=plan.why)
+                result = replace(result, picked=asked[0], seed_path=seed_path, refused_by="plan", why=plan.why)
                 left = left[len(asked) :]
                 continue
             candidate = choices[plan.goal_index][0]
-            result = replace(result, picked=candidate, plan=plan)
             with watch("retime"):
-                trajectory = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
-            if isinstance(trajectory, Refusal):
-                result = replace(result, refused_by="retime", why=trajectory.why)
-                left.remove(candidate)
-                continue
-            with watch("retime"):
-                touches = self.rehearsal.brushes(trajectory, arm.t_s + WARY_S, lambda t_s: seen_by(predictor, t_s))
-            if touches:
-                result = replace(result, refused_by="retime", why=f"on the way, {touches}")
-                left.remove(candidate)
-                continue
-            return replace(result, trajectory=trajectory)
+                timed = self._timed(arm, plan.path, predictor)
+            so_far = replace(result, picked=candidate, seed_path=seed_path, plan=plan)
+            if not isinstance(timed, Refusal):
+                return replace(so_far, trajectory=timed, refused_by=None, why="")
+            result = replace(so_far, refused_by="retime", why=timed.why)
+            left.remove(candidate)
         return result
+
+    def _timed(self, arm: ArmState, path: Path, predictor: Predictor) -> Trajectory | Refusal:
+        """The motion along a path from ``arm`` on, if it does not touch the object as that moves on."""
+        trajectory = retime(path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
+        if isinstance(trajectory, Refusal):
+            return trajectory
+        touches = self.rehearsal.brushes(trajectory, arm.t_s + WARY_S, lambda t_s: seen_by(predictor, t_s))
+        return Refusal(f"on the way, {touches}") if touches else trajectory
 
     def _evasion(self, start: CycleStart, from_s: float, predictor: Predictor) -> Trajectory | None:
         in_force = np.array([start.arm_at(t_s).q for t_s in np.arange(from_s, from_s + WARY_S, LOOK_EVERY_S)])
@@ -240,14 +248,14 @@ class Cycle:
             return None
         trajectory = start.previous[1]
         gap_m = float(np.linalg.norm(self.kinematics.fk(arm.q)[:3, 3] - start.held.T_world_pregrasp.xyz_m))
-        T_object_pregrasp = start.held.T_object_grasp @ Pose.of((0.0, 0.0, -self.robot.backoff_m))
+        T_object_pregrasp = start.held.T_object_grasp @ self._T_grasp_pregrasp
         return Underway(arm, trajectory.q[-1], trajectory.end_s - arm.t_s, T_object_pregrasp, gap_m)
 
-    def _context(self, start: CycleStart, ready_s: float, prediction: Prediction) -> RankContext:
+    def _context(self, start: CycleStart, arm: ArmState, prediction: Prediction) -> RankContext:
         return RankContext(
             kinematics=self.kinematics,
             scene=self.scene,
-            q=start.arm_at(ready_s).q,
+            q=arm.q,
             held=None if start.held is None or start.held.index in start.put_off else start.held.index,
             put_off=start.put_off,
             lift_m=self.method.execution.lift_m,

@@ -71,7 +71,8 @@ def _meeting_s(
     times = times[times <= config.longest_s]
     Ts_pregrasp = object_at(arm.t_s + times) @ underway.T_object_pregrasp.matrix
     goals, found = kinematics.ik_each(Ts_pregrasp, np.tile(q_end, (len(times), 1)))
-    needed_s = least_s(arm.q, arm.qd, np.where(found[:, None], goals, q_end), limits)
-    slower = left_s / max(float(least_s(arm.q, arm.qd, q_end[None], limits)[0]), 1e-9)
-    meets = found & (min(max(slower, 1.0), SLOWEST) * needed_s <= times + IN_TIME_S)
+    ends = np.concatenate([q_end[None], np.where(found[:, None], goals, q_end)])
+    needed_s = least_s(arm.q, arm.qd, ends, limits)
+    slower = left_s / max(float(needed_s[0]), 1e-9)
+    meets = found & (min(max(slower, 1.0), SLOWEST) * needed_s[1:] <= times + IN_TIME_S)
     return float(times[int(np.argmax(meets))]) if meets.any() else left_s

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -100,7 +102,7 @@ class Shortlist:
     """Indices into ``candidates``, best first."""
     score: Array
     """(n,) of every candidate, larger is better; NaN where the filter does not score."""
-    rejected: dict[int, str]
+    rejected: Mapping[int, str]
     """Index -> reason."""
     branches: dict[int, tuple[JointGoal, ...]] = field(default_factory=dict["int", "tuple[JointGoal, ...]"])
     """IK solutions that a filter has found already, by index."""
@@ -127,13 +129,24 @@ class Candidate:
     """The picked grasp with its joint goals, nearest first."""
 
     index: int
-    T_object_grasp: Pose
-    T_world_grasp: Pose
-    T_world_pregrasp: Pose
+    among: Candidates
+    """What ``index`` counts in."""
     goals: tuple[JointGoal, ...]
     """At least one; the nearest to the arm's configuration first."""
     joint_distance_rad: float
     """To the first goal: ``max |q_pregrasp - q| + max |q_grasp - q|``."""
+
+    @cached_property
+    def T_object_grasp(self) -> Pose:
+        return Pose(self.among.Ts_object_grasp[self.index])
+
+    @cached_property
+    def T_world_grasp(self) -> Pose:
+        return Pose(self.among.Ts_world_grasp[self.index])
+
+    @cached_property
+    def T_world_pregrasp(self) -> Pose:
+        return Pose(self.among.Ts_world_pregrasp[self.index])
 
 
 @dataclass(frozen=True, eq=False)

@@ -189,15 +189,7 @@ class FakeEpisode:
         shortlist = replace(shortlist, joint_distance_rad={i: 0.8 + 0.1 * rank for rank, i in enumerate(kept[:8])})
         q_start, q_goal = self._q(t_s), self._q(t_s + 2.0) + 0.2
         goal = JointGoal(q_goal, q_goal + 0.05)
-        i = kept[0]
-        picked = Candidate(
-            i,
-            Pose(candidates.Ts_object_grasp[i]),
-            Pose(candidates.Ts_world_grasp[i]),
-            Pose(candidates.Ts_world_pregrasp[i]),
-            (goal,),
-            0.8,
-        )
+        picked = Candidate(kept[0], candidates, (goal,), 0.8)
         path = Path(np.linspace(q_start, q_goal, 6))
         seed_path = Path(np.linspace(q_start + 0.05, q_goal + 0.1, 6))
         return CycleResult(

@@ -170,7 +170,9 @@ def test_what_fails_gives_way_to_what_passes(picked: tuple[Candidate, ...]):
     works = next(
         c for c in picked if isinstance(rehearsal(standing_on_the_belt()).approach(request(c, c.goals[0])), Approach)
     )
-    away = replace(works, index=-1, T_object_grasp=Pose.of((0.0, 0.0, 3.0)))
+    Ts_away = works.among.Ts_object_grasp.copy()
+    Ts_away[-1] = Pose.of((0.0, 0.0, 3.0)).matrix
+    away = replace(works, index=-1, among=replace(works.among, Ts_object_grasp=Ts_away))
     left, refused = rehearsal(standing_on_the_belt()).from_the_first_that_works((away, works), None, request)
     assert [c.index for c in left] == [works.index]
     assert len(left[0].goals) >= 1

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from backend.kinematics import Kinematics
 from backend.knowledge.motion_aware import PreparedGrasps
@@ -34,3 +35,13 @@ class RankContext:
     """The database's grasps, whose quality in motion is asked for; loaded for the methods that rank with it."""
     motion: PlanarMotion | None = None
     """What the object is predicted to do during the approach."""
+
+
+def best_first(score: Array, among: NDArray[np.bool_], held: int | None) -> list[int]:
+    """Those ``among`` (n,) the candidates, by ``score`` (n,); the grasp the arm is moving to before all others."""
+    left = np.flatnonzero(among)
+    ranked = left[np.argsort(-score[left], kind="stable")].tolist()
+    if held is not None and among[held]:
+        ranked.remove(held)
+        ranked.insert(0, held)
+    return ranked

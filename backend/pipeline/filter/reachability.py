@@ -3,7 +3,8 @@
 import numpy as np
 
 from backend.methods.method import Reachability
-from backend.pipeline.filter.ranking import PUT_OFF, RankContext
+from backend.pipeline.filter.ranking import PUT_OFF, RankContext, best_first
+from backend.pipeline.reasons import Reasons
 from backend.pipeline.values import Candidates, Shortlist
 
 
@@ -20,13 +21,19 @@ def shortlist_by_reachability(config: Reachability, candidates: Candidates, cont
     distance = parts.min(axis=1)
     worse = np.minimum(distance[:n], distance[n:])
     score = np.where(worse > 0.0, np.minimum(parts[:n, 0], parts[n:, 0]), worse)
-    rejected = {int(i): _why(distance[i], distance[n + i]) for i in np.flatnonzero(worse <= 0.0)}
-    rejected.update(dict.fromkeys(context.put_off, PUT_OFF))
-    ranked = sorted(set(range(n)) - set(rejected), key=lambda i: (i != context.held, -score[i], i))
-    rejected.update({i: "reachable, but others lie further inside" for i in ranked[config.keep :]})
+    out, put_off = worse <= 0.0, context.put_off
+    out[list(put_off)] = True
+    ranked = best_first(score, ~out, context.held)
+
+    def why(i: int) -> str:
+        if i in put_off:
+            return PUT_OFF
+        return "reachable, but others lie further inside" if worse[i] > 0.0 else _beyond(distance[i], distance[n + i])
+
+    rejected = Reasons([*np.flatnonzero(out).tolist(), *ranked[config.keep :]], why)
     return Shortlist(candidates, tuple(ranked[: config.keep]), score, rejected, reachability_m=score)
 
 
-def _why(pregrasp_m: float, grasp_m: float) -> str:
+def _beyond(pregrasp_m: float, grasp_m: float) -> str:
     which, beyond_m = ("pregrasp", -pregrasp_m) if pregrasp_m <= grasp_m else ("grasp", -grasp_m)
     return f"{which} out of reach by about {100.0 * beyond_m:.1f} cm"

@@ -9,6 +9,7 @@ from backend.methods.method import MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.filter.motion_aware import OTHERS_HOLD_BETTER, shortlist_by_motion
 from backend.pipeline.filter.ranking import RankContext
 from backend.pipeline.filter.reachability import shortlist_by_reachability
+from backend.pipeline.reasons import Reasons
 from backend.pipeline.values import Candidates, Shortlist
 
 
@@ -22,11 +23,12 @@ def shortlist_by_both(config: ReachabilityMotion, candidates: Candidates, contex
     unheld = replace(context, held=None)
     by_motion = shortlist_by_motion(MotionAware(keep=config.keep_each), candidates, unheld)
     in_turn = chain.from_iterable(zip_longest(by_reach.kept, by_motion.kept))
-    kept = tuple(dict.fromkeys(i for i in in_turn if i is not None))
-    rejected = {i: _why(i, why, by_motion) for i, why in by_reach.rejected.items() if i not in kept}
+    kept = dict.fromkeys(i for i in in_turn if i is not None)
+    out = [i for i in by_reach.rejected if i not in kept]
+    rejected = Reasons(out, lambda i: _why(by_reach.rejected[i], by_motion.rejected[i]))
     return Shortlist(
         candidates,
-        kept,
+        tuple(kept),
         np.full(len(candidates.quality), np.nan),
         rejected,
         reachability_m=by_reach.reachability_m,
@@ -34,7 +36,6 @@ def shortlist_by_both(config: ReachabilityMotion, candidates: Candidates, contex
     )
 
 
-def _why(index: int, of_reach: str, by_motion: Shortlist) -> str:
+def _why(of_reach: str, of_motion: str) -> str:
     """Either list's reason, or the one they share."""
-    of_motion = by_motion.rejected[index]
     return f"{of_reach}; {of_motion}" if of_motion == OTHERS_HOLD_BETTER else of_motion

@@ -1,11 +1,13 @@
 """PickGrasp: the shortlisted grasps in order of their distance in joint space, over all IK branches."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from backend.pipeline.filter.ranking import RankContext
 from backend.pipeline.reach import joint_goals
-from backend.pipeline.values import Candidate, JointGoal, Shortlist
-from backend.pose import Array, Pose
+from backend.pipeline.values import Candidate, Candidates, JointGoal, Shortlist
+from backend.pose import Array
 
 BRANCHES = 4
 RESTARTS = 2
@@ -28,19 +30,11 @@ def pick_nearest(shortlist: Shortlist, context: RankContext) -> tuple[tuple[Cand
         goals_of, refused = _next_to_the_arm(shortlist, context)
     if context.held not in goals_of:
         goals_of, refused = _on_every_branch(shortlist, context)
-    picked: list[Candidate] = []
-    c = shortlist.candidates
-    for index, goals in goals_of.items():
-        picked.append(
-            Candidate(
-                index=index,
-                T_object_grasp=Pose(c.Ts_object_grasp[index]),
-                T_world_grasp=Pose(c.Ts_world_grasp[index]),
-                T_world_pregrasp=Pose(c.Ts_world_pregrasp[index]),
-                goals=goals,
-                joint_distance_rad=distance_rad(goals[0], context.q),
-            )
-        )
+    ways_rad = _distances_rad([goals[0] for goals in goals_of.values()], context.q)
+    picked = [
+        Candidate(index, shortlist.candidates, goals, way_rad)
+        for (index, goals), way_rad in zip(goals_of.items(), ways_rad, strict=True)
+    ]
 
     def cost(candidate: Candidate) -> tuple[float, int]:
         discount = HELD_DISCOUNT if candidate.index == context.held else 1.0
@@ -49,12 +43,15 @@ def pick_nearest(shortlist: Shortlist, context: RankContext) -> tuple[tuple[Cand
     return tuple(sorted(picked, key=cost)), refused
 
 
-def distance_rad(goal: JointGoal, q: Array) -> float:
-    """The turn of the joint that turns furthest, to the pregrasp and to the grasp, added up.
+def _distances_rad(goals: Sequence[JointGoal], q: Array) -> list[float]:
+    """Of each goal: the turn of the joint that turns furthest, to the pregrasp and to the grasp, added up.
 
     All joints move at once, so that one decides how long the arm is on its way.
     """
-    return float(np.abs(goal.q_pregrasp - q).max() + np.abs(goal.q_grasp - q).max())
+    if not goals:
+        return []
+    turns = np.abs(np.array([(goal.q_pregrasp, goal.q_grasp) for goal in goals]) - q).max(axis=2)
+    return (turns[:, 0] + turns[:, 1]).tolist()
 
 
 def _next_to_the_arm(
@@ -81,30 +78,29 @@ def _next_to_the_arm(
 def _on_every_branch(
     shortlist: Shortlist, context: RankContext
 ) -> tuple[dict[int, tuple[JointGoal, ...]], dict[int, str]]:
-    """The joint goals of each grasp, by index, nearest first; and why the others have none."""
-    goals_of: dict[int, tuple[JointGoal, ...]] = {}
-    refused: dict[int, str] = {}
-    for index in shortlist.kept:
-        goals, why = _goals(shortlist, index, context)
-        if goals:
-            goals_of[index] = tuple(goals)
-        else:
-            refused[index] = why
-    return goals_of, refused
-
-
-def _goals(shortlist: Shortlist, index: int, context: RankContext) -> tuple[list[JointGoal], str]:
-    """Joint goals on distinct branches, nearest first; the last reason in words when there is none."""
+    """The joint goals of each grasp, by index, nearest first; and why the others have none: the last reason."""
     c = shortlist.candidates
-    goals = list(shortlist.branches.get(index, ()))
-    found = context.kinematics.ik_branches(c.Ts_world_pregrasp[index], context.q, BRANCHES)
-    fresh = [q for q in found if all(np.abs(q - goal.q_pregrasp).max() >= SAME_POSTURE_RAD for goal in goals)]
-    why = OUT_OF_REACH
+    goals_of = {index: list(shortlist.branches.get(index, ())) for index in shortlist.kept}
+    why = dict.fromkeys(shortlist.kept, OUT_OF_REACH)
+    fresh = [(index, q) for index, goals in goals_of.items() for q in _fresh(c, index, goals, context)]
     if fresh:
-        Ts_grasp = np.repeat(c.Ts_world_grasp[index][None], len(fresh), axis=0)
-        for goal in joint_goals(context.kinematics, context.scene, Ts_grasp, np.array(fresh), context.lift_m):
-            if isinstance(goal, str):
-                why = goal
+        Ts_grasp, qs = c.Ts_world_grasp[[index for index, _ in fresh]], np.array([q for _, q in fresh])
+        answers = joint_goals(context.kinematics, context.scene, Ts_grasp, qs, context.lift_m)
+        for (index, _), answer in zip(fresh, answers, strict=True):
+            if isinstance(answer, str):
+                why[index] = answer
             else:
-                goals.append(goal)
-    return sorted(goals, key=lambda goal: distance_rad(goal, context.q)), why
+                goals_of[index].append(answer)
+    refused = {index: why[index] for index, goals in goals_of.items() if not goals}
+    return {index: _nearest_first(goals, context.q) for index, goals in goals_of.items() if goals}, refused
+
+
+def _fresh(candidates: Candidates, index: int, goals: Sequence[JointGoal], context: RankContext) -> list[Array]:
+    """Postures at the pregrasp on branches that ``goals`` are not on."""
+    found = context.kinematics.ik_branches(candidates.Ts_world_pregrasp[index], context.q, BRANCHES)
+    return [q for q in found if all(np.abs(q - goal.q_pregrasp).max() >= SAME_POSTURE_RAD for goal in goals)]
+
+
+def _nearest_first(goals: Sequence[JointGoal], q: Array) -> tuple[JointGoal, ...]:
+    order = np.argsort(_distances_rad(goals, q), kind="stable")
+    return tuple(goals[i] for i in order)

@@ -41,9 +41,9 @@ class KalmanPredictor:
         if self._state is None:
             return None
         ahead = t_s - self._t_s
-        states = self._state[0] + np.outer(ahead, self._state[1])
+        states = self._state[0] + ahead[:, None] * self._state[1]
         dt = np.maximum(ahead, 0.0)
-        (p, c), (_, v) = self._covariance
+        (p, c), (_, v) = self._covariance.tolist()
         variance = p + dt * (2.0 * c + dt * (v + dt * self._spectral / 3.0))
         return Prediction(t_s, poses(states, self._tilt), np.sqrt(variance), self._state[1, :3])
 
