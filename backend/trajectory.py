@@ -80,9 +80,11 @@ class Trajectory:
         """(m, dof) q at times (m,), as ``sample`` has it."""
         grid = self.t_s
         piece = np.clip(np.searchsorted(grid, t_s, side="right") - 1, 0, len(grid) - 2)
-        u = ((t_s - grid[piece]) / (grid[piece + 1] - grid[piece]))[:, None]
-        q0, v0, c2, c3 = np.moveaxis(self._cubics[piece], -1, 0)
-        inside = q0 + u * (v0 + u * (c2 + u * c3))
+        h = (grid[piece + 1] - grid[piece])[:, None]
+        u = (t_s - grid[piece])[:, None] / h
+        q0, v0, v1 = self.q[piece], self.qd[piece] * h, self.qd[piece + 1] * h
+        delta = self.q[piece + 1] - q0
+        inside = q0 + u * (v0 + u * (3.0 * delta - 2.0 * v0 - v1 + u * (v0 + v1 - 2.0 * delta)))
         return np.where(t_s[:, None] <= grid[0], self.q[0], np.where(t_s[:, None] >= grid[-1], self.q[-1], inside))
 
     def peaks(self, from_s: float = -np.inf, until_s: float = np.inf) -> tuple[Array, Array]:
@@ -112,7 +114,10 @@ class Trajectory:
         return self.t_s.tolist()
 
     def _piece(self, i: int) -> list[tuple[float, float, float, float]]:
-        """``_cubics[i]`` as plain numbers; most motions are replaced before most of their pieces are come to."""
+        """What 1, u, u^2 and u^3 are multiplied by in piece i, for every joint.
+
+        Most motions are replaced before most of their pieces are come to.
+        """
         kept = self._kept.get(i)
         if kept is None:
             h = self._times[i + 1] - self._times[i]
@@ -126,13 +131,6 @@ class Trajectory:
     @cached_property
     def _kept(self) -> dict[int, list[tuple[float, float, float, float]]]:
         return {}
-
-    @cached_property
-    def _cubics(self) -> Array:
-        """(n - 1, dof, 4) what 1, u, u^2 and u^3 are multiplied by in each piece, u from 0 to 1."""
-        h = np.diff(self.t_s)[:, None]
-        v0, v1, delta = self.qd[:-1] * h, self.qd[1:] * h, np.diff(self.q, axis=0)
-        return np.stack([self.q[:-1], v0, 3.0 * delta - 2.0 * v0 - v1, v0 + v1 - 2.0 * delta], axis=-1)
 
     def shifted(self, by_s: float) -> Trajectory:
         """The same motion, ``by_s`` later."""

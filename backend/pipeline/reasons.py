@@ -24,6 +24,10 @@ class Reasons(Mapping[int, str]):
     def __contains__(self, index: object) -> bool:
         return index in self._indices
 
+    def __reduce__(self) -> tuple[type[dict[int, str]], tuple[dict[int, str]]]:
+        """To other processes they go in words."""
+        return dict, (dict(self),)
+
 
 def with_others(reasons: Mapping[int, str], others: Mapping[int, str]) -> Mapping[int, str]:
     """Both; where both have a reason, that of ``others``."""
