@@ -96,9 +96,13 @@ def _joined(rest: Array, ends: Ends, count: int) -> Beginning:
     """
     chain = np.vstack([ends.start, rest])
     index, goal = min(ends.goals, key=lambda numbered: float(np.abs(numbered[1] - chain[-1]).max()))
-    marks = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(chain, axis=0), axis=1))])
-    along = np.linspace(0.0, 1.0, count + 2)
-    path = np.column_stack([np.interp(along * marks[-1], marks, joint) for joint in chain.T])
+    edges = chain[1:] - chain[:-1]
+    marks = np.zeros(len(chain))
+    np.cumsum(np.sqrt((edges**2).sum(axis=1)), out=marks[1:])
+    along = np.arange(count + 2) / (count + 1)
+    path = np.empty((count + 2, chain.shape[1]))
+    for j in range(chain.shape[1]):
+        path[:, j] = np.interp(along * marks[-1], marks, chain[:, j])
     path += along[:, None] * (goal - path[-1])
     path[0], path[-1] = ends.start, goal
     return Beginning(path, index, "seeded")

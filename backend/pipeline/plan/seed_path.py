@@ -87,6 +87,8 @@ def reconnected(ends: Ends, chain: Array, count: CheckCount) -> Found | None:
 
 def without_repeats(waypoints: Array) -> Array:
     """The same path without waypoints that equal their predecessor; its ends stay exact."""
+    if (np.abs(waypoints[1:] - waypoints[:-1]).max(axis=1) > SAME_RAD).all():
+        return waypoints
     keep = [0]
     for i in range(1, len(waypoints)):
         if np.abs(waypoints[i] - waypoints[keep[-1]]).max() > SAME_RAD:
@@ -113,9 +115,9 @@ def _ahead(waypoints: Array, q: Array) -> Array:
     """The waypoints after the point of the path nearest to ``q``."""
     if len(waypoints) == 1:
         return waypoints
-    edges = np.diff(waypoints, axis=0)
+    edges, to_q = waypoints[1:] - waypoints[:-1], q - waypoints[:-1]
     squares = np.maximum((edges**2).sum(axis=1), SAME_RAD**2)
-    along = np.clip(((q - waypoints[:-1]) * edges).sum(axis=1) / squares, 0.0, 1.0)
-    gaps = np.linalg.norm(waypoints[:-1] + along[:, None] * edges - q, axis=1)
-    ahead = waypoints[int(np.argmin(gaps)) + 1 :]
+    along = np.minimum(np.maximum((to_q * edges).sum(axis=1) / squares, 0.0), 1.0)
+    gaps = ((along[:, None] * edges - to_q) ** 2).sum(axis=1)
+    ahead = waypoints[int(gaps.argmin()) + 1 :]
     return ahead[1:] if np.abs(ahead[0] - q).max() < SAME_RAD else ahead
