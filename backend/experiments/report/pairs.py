@@ -9,7 +9,15 @@ import numpy as np
 
 from backend.experiments.grid.row import GridRow
 from backend.experiments.report.analysis import Rows, time_s
-from backend.experiments.report.statistics import Interval, Paired, bootstrapped_mean, compare, holm
+from backend.experiments.report.statistics import (
+    Interval,
+    Paired,
+    bootstrapped_mean,
+    compare,
+    holm,
+    p_of_no_difference,
+)
+from backend.pose import Array
 
 SIGNIFICANT = 0.05
 
@@ -28,15 +36,24 @@ class Comparison:
     """Corrected for all comparisons of the same kind: those of single tasks, or those over all tasks."""
     time_s: Interval | None
     """Mean over the pairs of the first's time minus the second's."""
+    time_p: float
+    """By a paired permutation test of that mean."""
+    time_p_holm: float
+    """Corrected like ``p_holm``."""
     both_s: Interval | None
     """The same where both succeeded."""
 
     @property
     def verdict(self) -> str:
         """In words, at the 5 % level."""
-        if self.p_holm >= SIGNIFICANT:
-            return "no significant difference"
-        return f"{self.first if self.successes.difference > 0.0 else self.second} grasps significantly more often"
+        said: dict[str, list[str]] = {}
+        if self.p_holm < SIGNIFICANT:
+            better = self.first if self.successes.difference > 0.0 else self.second
+            said.setdefault(better, []).append("grasps more often")
+        if self.time_s is not None and self.time_p_holm < SIGNIFICANT:
+            better = self.first if self.time_s.value < 0.0 else self.second
+            said.setdefault(better, []).append("goes in sooner")
+        return ", ".join(f"{method} {' and '.join(how)}" for method, how in said.items()) or "no significant difference"
 
 
 def comparisons(rows: Rows, reference: str) -> list[Comparison]:
@@ -61,8 +78,12 @@ def odd_pairs(rows: Rows) -> int:
 
 
 def _corrected(found: Sequence[Comparison]) -> list[Comparison]:
-    corrected = holm([comparison.successes.p for comparison in found])
-    return [replace(comparison, p_holm=p) for comparison, p in zip(found, corrected, strict=True)]
+    of_success = holm([comparison.successes.p for comparison in found])
+    of_time = holm([comparison.time_p for comparison in found])
+    return [
+        replace(comparison, p_holm=p_success, time_p_holm=p_time)
+        for comparison, p_success, p_time in zip(found, of_success, of_time, strict=True)
+    ]
 
 
 def _compared(rows: Rows, robot: str, task: str | None, first: str, second: str) -> Comparison | None:
@@ -72,6 +93,7 @@ def _compared(rows: Rows, robot: str, task: str | None, first: str, second: str)
     if first == second or not pairs:
         return None
     hits = np.array([[rows.success(row) for row in pair] for pair in pairs])
+    sooner_s = _time_differences(pairs)
     return Comparison(
         robot=robot,
         task=task,
@@ -79,8 +101,10 @@ def _compared(rows: Rows, robot: str, task: str | None, first: str, second: str)
         second=second,
         successes=compare(hits[:, 0], hits[:, 1]),
         p_holm=1.0,
-        time_s=_time_difference(pairs),
-        both_s=_time_difference([pair for pair, hit in zip(pairs, hits, strict=True) if hit.all()]),
+        time_s=bootstrapped_mean(sooner_s),
+        time_p=p_of_no_difference(sooner_s),
+        time_p_holm=1.0,
+        both_s=bootstrapped_mean(_time_differences([p for p, hit in zip(pairs, hits, strict=True) if hit.all()])),
     )
 
 
@@ -92,6 +116,6 @@ def _trials(rows: Rows, robot: str, task: str | None, method: str) -> dict[tuple
     }
 
 
-def _time_difference(pairs: Sequence[tuple[GridRow, GridRow]]) -> Interval | None:
+def _time_differences(pairs: Sequence[tuple[GridRow, GridRow]]) -> Array:
     times = [(time_s(first), time_s(second)) for first, second in pairs]
-    return bootstrapped_mean(np.array([a - b for a, b in times if a is not None and b is not None]))
+    return np.array([a - b for a, b in times if a is not None and b is not None])

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import bootstrap
+from scipy.stats import bootstrap, permutation_test
 from statsmodels.stats.contingency_tables import mcnemar
 from statsmodels.stats.multitest import multipletests
 from statsmodels.stats.proportion import proportion_confint
@@ -17,6 +17,7 @@ from backend.pose import Array
 
 CONFIDENCE = 0.95
 RESAMPLES = 2000
+SIGN_FLIPS = 9999
 Flags = NDArray[np.bool_]
 
 
@@ -67,6 +68,22 @@ def holm(p: Sequence[float]) -> list[float]:
         return []
     corrected: Any = multipletests(list(p), method="holm")
     return [float(value) for value in corrected[1]]
+
+
+def p_of_no_difference(differences: Array, seed: int = 0) -> float:
+    """Paired permutation test, two-sided: how likely differences (n,) are so large on average if signs are chance."""
+    if len(differences) < 2 or not differences.any():
+        return 1.0
+    found: Any = permutation_test(
+        (differences,),
+        np.mean,
+        permutation_type="samples",
+        vectorized=True,
+        n_resamples=SIGN_FLIPS,
+        batch=500,
+        rng=np.random.default_rng(seed),
+    )
+    return float(found.pvalue)
 
 
 def bootstrapped_mean(values: Array, seed: int = 0) -> Interval | None:

@@ -65,12 +65,13 @@ def cells_table(cells: Sequence[Cell]) -> Table:
 def pairs_table(comparisons: Sequence[Comparison], *, single_tasks: bool) -> Table:
     """The reference method against the others, over all tasks or in each."""
     header = ["robot", "task", "methods", "pairs", "only first", "only second", "success difference", "p", "p (Holm)"]
-    header += ["time difference s", "where both succeeded s", "verdict"]
+    header += ["time difference s", "time: p (Holm)", "where both succeeded s", "verdict"]
     lines = [
         [
             *(c.robot, c.task or "all", f"{c.first} / {c.second}", str(c.successes.n)),
             *(str(c.successes.only_first), str(c.successes.only_second), _signed(c.successes.difference, 3)),
-            *(f"{c.successes.p:.2g}", f"{c.p_holm:.2g}", _with_interval(c.time_s), _with_interval(c.both_s), c.verdict),
+            *(f"{c.successes.p:.2g}", f"{c.p_holm:.2g}", _with_interval(c.time_s), f"{c.time_p_holm:.2g}"),
+            *(_with_interval(c.both_s), c.verdict),
         ]
         for c in comparisons
         if (c.task is not None) == single_tasks
@@ -78,7 +79,8 @@ def pairs_table(comparisons: Sequence[Comparison], *, single_tasks: bool) -> Tab
     where = "in each task" if single_tasks else "over all tasks"
     note = (
         "The same trials under both methods. Success: McNemar's exact test, two-sided, corrected by Holm for all lines "
-        "of this table. Time: first minus second, with bootstrapped 95 % intervals."
+        "of this table. Time: first minus second, with bootstrapped 95 % intervals, and a paired permutation test "
+        "corrected likewise. The verdict says what is significant at the 5 % level."
     )
     return Table("pairs_by_task" if single_tasks else "pairs", f"Methods compared {where}", header, lines, note)
 

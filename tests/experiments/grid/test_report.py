@@ -1,6 +1,7 @@
 """What rows add up to, against figures worked out by hand and by other libraries."""
 
 import csv
+import itertools
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.stats import binomtest, t
+from scipy.stats import binomtest, t, ttest_1samp
 
 from backend.errors import InvalidInputError
 from backend.experiments.grid.row import GridRow
@@ -18,7 +19,7 @@ from backend.experiments.report.analysis import Rows, distance_bin_m, speed_bin_
 from backend.experiments.report.document import report_of
 from backend.experiments.report.pairs import comparisons, odd_pairs
 from backend.experiments.report.paper import PAPERS_TASKS, papers_cell
-from backend.experiments.report.statistics import bootstrapped_mean, compare, holm, rate
+from backend.experiments.report.statistics import bootstrapped_mean, compare, holm, p_of_no_difference, rate
 from backend.experiments.report.table import Table
 from tests.experiments.grid.making import all_jobs, plan, row_of
 
@@ -112,13 +113,40 @@ def test_an_error_is_a_failure_and_has_no_time():
     assert cell.time_s is not None and cell.time_s.value == pytest.approx((0 + 2) / 2)
 
 
+def test_the_permutation_test_of_few_differences_counts_all_signs():
+    differences = np.array([0.4, -0.1, 0.7, 0.3, 0.2, 0.9])
+    signed = np.array(list(itertools.product((1.0, -1.0), repeat=6))) * differences
+    as_far = np.abs(signed.mean(axis=1)) >= differences.mean() - 1e-12
+    assert p_of_no_difference(differences) == pytest.approx(as_far.mean())
+    assert p_of_no_difference(np.zeros(5)) == p_of_no_difference(np.array([3.0])) == 1.0
+
+
+def test_the_permutation_test_of_many_differences_agrees_with_students():
+    differences = np.random.default_rng(1).normal(0.15, 1.0, 300)
+    assert p_of_no_difference(differences) == pytest.approx(ttest_1samp(differences, 0.0).pvalue, abs=0.005)
+    assert p_of_no_difference(differences + 0.3) < 1e-3
+
+
+def test_methods_are_equally_good_but_not_equally_quick():
+    rows = rows_of({"ours_rm": [True] * 12, "baseline": [True] * 12})
+    rows = [
+        replace(row, approach_start_s=(row.approach_start_s or 0.0) + 2.0 * (row.method == "baseline")) for row in rows
+    ]
+    over_all = comparisons(Rows(rows, "strict"), "ours_rm")[0]
+    assert over_all.time_p_holm == pytest.approx(2 * 0.5**12)
+    assert over_all.verdict == "ours_rm goes in sooner"
+    assert comparisons(Rows(rows[:8] + rows[12:20], "strict"), "ours_rm")[0].verdict == "ours_rm goes in sooner"
+    few = comparisons(Rows(rows[:3] + rows[12:15], "strict"), "ours_rm")[0]
+    assert few.verdict == "no significant difference"
+
+
 def test_methods_are_compared_on_the_same_trials_only():
     rows = rows_of({"ours_rm": [True] * 12, "baseline": [False] * 11 + [True]})
     over_all, single = comparisons(Rows([row for row in rows if row.key != rows[1].key], "strict"), "ours_rm")
     assert (over_all.task, single.task) == (None, "linear")
     assert (over_all.successes.n, over_all.successes.only_first, over_all.successes.only_second) == (11, 10, 0)
     assert over_all.p_holm == pytest.approx(2 * 0.5**10)
-    assert over_all.verdict == "ours_rm grasps significantly more often"
+    assert over_all.verdict == "ours_rm grasps more often and goes in sooner"
     assert over_all.time_s is not None and over_all.time_s.value < 0.0 and over_all.both_s is None
 
 
