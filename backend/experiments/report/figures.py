@@ -9,6 +9,7 @@ from typing import Any
 from plotly import graph_objects, offline, subplots
 
 from backend.experiments.report.analysis import Cell, Rows, Share, distance_bin_m, speed_bin_mps
+from backend.experiments.report.paper import PapersCell
 from backend.experiments.report.statistics import Interval
 
 _go: Any = graph_objects
@@ -37,10 +38,14 @@ def script() -> str:
 
 
 def figures(rows: Rows, linear: Rows, cells: Sequence[Cell]) -> list[Figure]:
-    """Success by task, distance, speed and object; reasons of failure; cycle times. One panel for each robot."""
+    """Success and time by task, success by distance, speed and object; reasons of failure; cycle times.
+
+    One panel for each robot.
+    """
     distance = "Success against distance of the belt from the base (linear motion)"
     return [
-        _success(rows, cells),
+        _by_task(rows, cells, "Success", "success", lambda cell: cell.success, lambda paper: paper.success),
+        _by_task(rows, cells, "Time until the approach", "s", lambda cell: cell.time_s, lambda paper: paper.time_s),
         _shares(linear, linear.shares(distance_bin_m), distance, "m"),
         _shares(rows, rows.shares(speed_bin_mps), "Success against speed of the belt", "m/s"),
         _shares(rows, rows.shares(lambda row: row.object), "Success by object", "", bars=True),
@@ -49,20 +54,36 @@ def figures(rows: Rows, linear: Rows, cells: Sequence[Cell]) -> list[Figure]:
     ]
 
 
-def _success(rows: Rows, cells: Sequence[Cell]) -> Figure:
+def _by_task(
+    rows: Rows,
+    cells: Sequence[Cell],
+    what: str,
+    unit: str,
+    ours: Callable[[Cell], Interval | None],
+    papers: Callable[[PapersCell], float],
+) -> Figure:
     """Bars with intervals; a line across each is what the paper reports."""
 
     def draw(robot: str, method: str) -> list[Any]:
-        own = [cell for cell in cells if (cell.robot, cell.method) == (robot, method)]
-        tasks, papers = [cell.task for cell in own], [cell.paper.success if cell.paper else None for cell in own]
+        own = [
+            (cell, found)
+            for cell in cells
+            if (cell.robot, cell.method) == (robot, method) and (found := ours(cell)) is not None
+        ]
+        tasks = [cell.task for cell, _ in own]
         mark = {"symbol": "line-ew", "size": 12, "line": {"width": 2, "color": "black"}}
-        words = f"{method}, paper: %{{y:.3f}}<extra></extra>"
-        papers_marks = _go.Scatter(
-            x=tasks, y=papers, mode="markers", marker=mark, offsetgroup=method, hovertemplate=words, showlegend=False
+        lines = _go.Scatter(
+            x=tasks,
+            y=[papers(cell.paper) if cell.paper else None for cell, _ in own],
+            mode="markers",
+            marker=mark,
+            offsetgroup=method,
+            hovertemplate=f"{method}, paper: %{{y:.3f}}<extra></extra>",
+            showlegend=False,
         )
-        return [_bar(tasks, [cell.success for cell in own], offsetgroup=method), papers_marks]
+        return [_bar(tasks, [found for _, found in own], offsetgroup=method), lines]
 
-    return _panels(rows, "Success by task, with 95 % intervals; lines are the paper's", "", "success", draw)
+    return _panels(rows, f"{what} by task, with 95 % intervals; lines are the paper's", "", unit, draw)
 
 
 def _shares(rows: Rows, shares: Sequence[Share], title: str, unit: str, *, bars: bool = False) -> Figure:
