@@ -66,7 +66,15 @@ class Running(Protocol):
 
     def run(self) -> Iterator[Snapshot]: ...
 
+    def check(self, event: WorldEvent) -> None:
+        """Raises ``GraspingError`` for an edit that ``apply`` would refuse now."""
+        ...
+
     def apply(self, event: WorldEvent) -> None: ...
+
+    def edited(self, snapshot: Snapshot) -> Snapshot:
+        """The newest snapshot with what edits have changed since."""
+        ...
 
     def keepsake(self) -> Keepsake:
         """Only of an episode that has ended."""

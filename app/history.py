@@ -48,8 +48,10 @@ class History:
         self._moments: list[Moment] = []
 
     def add(self, moment: Moment) -> None:
-        """The newest moment; what is older than a minute goes."""
+        """The newest moment; what is older than a minute goes, and so does the same tick before an edit."""
         with self._lock:
+            if self._moments and self._moments[-1].tick == moment.tick:
+                self._moments.pop()
             self._moments.append(moment)
             oldest_s = moment.t_s - KEPT_S
             if self._moments[0].t_s < oldest_s:

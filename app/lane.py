@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from app.engine import Engine, Running
 from app.reports import Sight, Traces, slim
+from backend.events import WorldEvent
 from backend.pipeline.values import CycleResult
 
 
@@ -23,6 +24,11 @@ class Lane:
     @property
     def over(self) -> bool:
         return self.last.outcome is not None
+
+    def apply(self, event: WorldEvent) -> None:
+        """Edit the trial, and let the newest tick show it."""
+        self.episode.apply(event)
+        self.last = self.episode.edited(self.last)
 
     def advance(self) -> None:
         """One tick; what is over stays as it is."""

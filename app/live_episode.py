@@ -8,7 +8,7 @@ from pathlib import Path
 from app.engine import Keepsake
 from backend.episode import Episode
 from backend.errors import InvalidInputError
-from backend.events import MoveObstacle
+from backend.events import AddObstacle, MoveObstacle, RemoveObstacle
 from backend.scenario import Scenario
 
 
@@ -19,12 +19,20 @@ class LiveEpisode(Episode):
         """Raises ``InvalidInputError`` for an edit of an obstacle that is not there."""
         super().__init__(scenario, seed)
         there = len(self.scene.obstacles)
-        for timed in scenario.events:
-            if isinstance(timed.event, MoveObstacle) and timed.event.index >= there:
-                self.close()
-                raise InvalidInputError(
-                    f"events: tick {timed.tick} moves obstacle {timed.event.index}, but this trial has {there}."
-                )
+        for timed in sorted(scenario.events, key=lambda timed: timed.tick):
+            match timed.event:
+                case MoveObstacle(index=index) | RemoveObstacle(index=index) if index >= there:
+                    self.close()
+                    does = "moves" if isinstance(timed.event, MoveObstacle) else "removes"
+                    raise InvalidInputError(
+                        f"events: tick {timed.tick} {does} obstacle {index}, but this trial has {there} then."
+                    )
+                case AddObstacle():
+                    there += 1
+                case RemoveObstacle():
+                    there -= 1
+                case _:
+                    pass
 
     def keepsake(self) -> Keepsake:
         """Only of an episode that has ended."""

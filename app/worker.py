@@ -122,7 +122,7 @@ class Worker:
         self._report_pace(now=True)
 
     def _apply(self, event: WorldEvent) -> None:
-        """To every world that still moves; they have the same obstacles, so one refuses what the other does."""
+        """To every world that still moves, or, where one of them refuses it, to none."""
         if not self._running:
             self._report(Refused("The trial is over, so its world cannot be edited: restart it first."))
             return
@@ -131,12 +131,16 @@ class Worker:
             return
         try:
             for lane in self._running:
-                lane.episode.apply(event)
+                lane.episode.check(event)
+            for lane in self._running:
+                lane.apply(event)
         except GraspingError as error:
             self._report(Refused(str(error)))
             return
         self._made = (*self._made, TimedEvent(tick=self._newest.tick, event=event))
         self._report(Edited(self._run, (*self._made, *self._given)))
+        if self._paused:
+            self._report_progress()
 
     def _restart(self, restart: Restart) -> None:
         """Close what is running and show the first tick of what comes next, paused or not."""

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Self
+from typing import Any, Self
 
 import numpy as np
 
 from backend.cycle import Cycle
 from backend.drawing import generators, setup_by
-from backend.errors import SimulationError
-from backend.events import MoveObstacle, TimedEvent, WorldEvent
+from backend.editing import Editing
+from backend.errors import InvalidInputError, SimulationError
+from backend.events import TimedEvent, WorldEvent
 from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import load_grasps
 from backend.objects import load_object
@@ -63,6 +64,7 @@ class Episode:
         self._pilot = Pilot(cycle, predictor, executor, think)
         self._kinematics = kinematics
         self._T_tray_object = self.world.tray_pose().inverse() @ self.world.object_pose()
+        self._editing = Editing(self.world, self._belief, self._judge)
         self._tick = 0
         self.scene = self._describe()
 
@@ -81,10 +83,21 @@ class Episode:
         """What the arm follows now."""
         return self._pilot.executor.in_force
 
+    def check(self, event: WorldEvent) -> None:
+        """Raises ``InvalidInputError`` for a live edit that ``apply`` would refuse now."""
+        self._editing.check(event)
+
     def apply(self, event: WorldEvent) -> None:
-        """Let a live edit act before the next tick, and record it, so that the edited trial can be repeated."""
-        self._act(event)
+        """Let a live edit act before the next tick, and record it, so that the edited trial can be repeated.
+
+        Raises ``InvalidInputError``, with nothing changed, for one that cannot be.
+        """
+        self._editing.act(event)
         self.recorder.event(TimedEvent(tick=self._tick, event=event))
+
+    def edited(self, snapshot: Snapshot) -> Snapshot:
+        """The newest snapshot with what edits have changed since."""
+        return replace(snapshot, **self._around())
 
     def run(self) -> Iterator[Snapshot]:
         """Yield a snapshot of the start and after every tick; the last one has an outcome."""
@@ -105,14 +118,14 @@ class Episode:
 
     def _tick_once(self) -> Outcome | None:
         """One tick, recorded; the outcome when it was the last."""
-        for timed in self.scenario.events:
-            if timed.tick == self._tick:
-                self._act(timed.event)
-                self.recorder.event(timed)
         try:
+            for timed in self.scenario.events:
+                if timed.tick == self._tick:
+                    self._editing.act(timed.event)
+                    self.recorder.event(timed)
             outcome = self._advance()
             self.recorder.tick(self.world.t_s, self.world.q(), self.world.object_pose())
-        except SimulationError as error:
+        except (SimulationError, InvalidInputError) as error:
             outcome = Outcome(strict=False, authors=False, reason="error", detail=str(error))
         self._tick += 1
         if outcome is not None:
@@ -168,13 +181,6 @@ class Episode:
             return judge.verdict(world, self._pilot.furthest_failure(), f"The belt came to its end; {refusal}.")
         return None
 
-    def _act(self, event: WorldEvent) -> None:
-        self.world.apply(event)
-        if isinstance(event, MoveObstacle):
-            pose = self.world.obstacle_poses()[event.index]
-            self._judge.obstacle_moved(event.index, pose)
-            self._belief.move_obstacle(event.index, pose)
-
     def _true_object_pose(self, t_s: float) -> Pose:
         """Where the object will be at ``t_s`` if it stays on the belt."""
         return self.world.conveyor.pose_in(t_s - self.world.t_s) @ self._T_tray_object
@@ -191,10 +197,18 @@ class Episode:
             seed=self.seed,
         )
 
+    def _around(self) -> dict[str, Any]:
+        """What a snapshot says of obstacles and slab."""
+        poses = [pose.matrix for pose in self.world.obstacle_poses()]
+        return {
+            "obstacles": self.world.obstacles,
+            "Ts_world_obstacle": np.array(poses).reshape(-1, 4, 4),
+            "slab": self.world.slab,
+        }
+
     def _snapshot(self) -> Snapshot:
         world = self.world
         q = world.q()
-        obstacles = [pose.matrix for pose in world.obstacle_poses()]
         return Snapshot(
             tick=self._tick,
             t_s=world.t_s,
@@ -204,7 +218,7 @@ class Episode:
             T_world_tcp=Pose(self._kinematics.fk(q)),
             T_world_tray=world.tray_pose(),
             T_world_object=world.object_pose(),
-            Ts_world_obstacle=np.array(obstacles).reshape(-1, 4, 4),
+            **self._around(),
             belt_rate=world.conveyor.rate,
             cycle=self._pilot.result,
             cycles=self._pilot.cycles,
@@ -218,7 +232,7 @@ def _planning_scene(world: World, scene: PlanningScene) -> PlanningScene:
     for (name, _), pose in zip(world.setup.obstacles, world.obstacle_poses(), strict=True):
         scene.add_object(load_object(name), pose)
     if world.setup.slab is not None:
-        scene.add_box(world.setup.slab.size_m, world.setup.slab.T_world_box)
+        scene.set_slab(world.setup.slab.size_m, world.setup.slab.T_world_box)
     scene.set_target(world.object, world.object_pose(), world.setup.tray_size_m, world.tray_pose())
     return scene
 

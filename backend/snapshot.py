@@ -15,6 +15,12 @@ class BoxPlacement:
     T_world_box: Pose
     size_m: tuple[float, float, float]
 
+    def same(self, other: BoxPlacement | None) -> bool:
+        """Whether it is as large and where ``other`` is."""
+        if other is None or self.size_m != other.size_m:
+            return False
+        return bool((self.T_world_box.matrix == other.T_world_box.matrix).all())
+
 
 @dataclass(frozen=True, eq=False)
 class SceneDescription:
@@ -27,8 +33,9 @@ class SceneDescription:
     belt_path_world: Array
     """(n, 3) the way of the middle of the tray's top face."""
     obstacles: tuple[str, ...]
-    """Object names, in the order of ``Snapshot.Ts_world_obstacle``."""
+    """Object names, as the trial begins."""
     slab: BoxPlacement | None
+    """The same: people may take it away or hang another."""
     seed: int
 
 
@@ -46,8 +53,12 @@ class Snapshot:
     T_world_tcp: Pose
     T_world_tray: Pose
     T_world_object: Pose
+    obstacles: tuple[str, ...]
+    """Object names of what stands around now."""
     Ts_world_obstacle: Array
-    """(n, 4, 4)."""
+    """(n, 4, 4), in that order."""
+    slab: BoxPlacement | None
+    """What hangs above the belt now."""
     belt_rate: float
     """Live factor on the belt's speed; 1 as in the scenario, negative backwards."""
     cycle: CycleResult | None
@@ -59,3 +70,8 @@ class Snapshot:
     """Sum of the normal forces with which the hand's links press on the object, from the moment it begins to close."""
     fingerprint: str | None = None
     """Hash of the whole trial, set on the last snapshot: equal for equal trials, live or headless."""
+
+    def stands_as(self, other: Snapshot) -> bool:
+        """Whether the same obstacles stand around, wherever, and the same slab hangs in the same place."""
+        alike = other.slab is None if self.slab is None else self.slab.same(other.slab)
+        return alike and self.obstacles == other.obstacles

@@ -33,7 +33,8 @@ class Painter:
 
     def __init__(self, scene: SceneDescription, first: Snapshot, width: int, height: int) -> None:
         """``first`` is how the trial begins: all of it will be in the picture."""
-        self._stage = Stage(scene)
+        self._scene = scene
+        self._stage = Stage(scene, first)
         self._camera = camera_for(_marks(scene, first), scene, FINER * width, FINER * height)
         middle_m = scene.belt_path_world.mean(axis=0)
         self._sun = Sun(
@@ -44,6 +45,8 @@ class Painter:
 
     def paint(self, snapshot: Snapshot) -> Pixels:
         """(height, width, 3)."""
+        if not snapshot.stands_as(self._stage.made_at):
+            self._stage = Stage(self._scene, snapshot)
         stage, camera, sun = self._stage, self._camera, self._sun
         points, normals = stage.placed(snapshot)
         sun_map, _ = self._covered(sun.project(points), (SUN_MAP, SUN_MAP))

@@ -39,16 +39,17 @@ class Body:
 class Stage:
     """One trial's bodies; ``placed`` is asked once per picture."""
 
-    def __init__(self, scene: SceneDescription) -> None:
-        self._scene = scene
+    def __init__(self, scene: SceneDescription, now: Snapshot) -> None:
+        """With what stands around ``now``."""
+        self.made_at = now
         self._robot = load_robot_parts(scene.robot)
         self._bodies = [_body(part.geometry, part.color) for part in self._robot.parts]
-        self._bodies += [_object(name) for name in (scene.object, *scene.obstacles)]
+        self._bodies += [_object(name) for name in (scene.object, *now.obstacles)]
         self._bodies += [_body(box(scene.tray_size_m, (0.0, 0.0, -0.5 * scene.tray_size_m[2])), TRAY)]
         still = [(_belt(scene), BELT), (_arrows(scene), ARROW), (ring(0.11, 0.125, 0.001), BASE)]
         self._bodies += [_body(geometry, color) for geometry, color in still]
-        if scene.slab is not None:
-            self._bodies.append(_body(box(scene.slab.size_m), SLAB, sheer=True))
+        if now.slab is not None:
+            self._bodies.append(_body(box(now.slab.size_m), SLAB, sheer=True))
         counts = [len(body.geometry.vertices) for body in self._bodies]
         offsets = np.cumsum([0, *counts[:-1]])
         per_face = [len(body.geometry.faces) for body in self._bodies]
@@ -61,13 +62,13 @@ class Stage:
         self.sheer: NDArray[np.bool_] = np.repeat([body.sheer for body in self._bodies], per_face)
 
     def placed(self, snapshot: Snapshot) -> tuple[Array, Array]:
-        """(n, 3) vertices and (n, 3) normals in the world."""
+        """(n, 3) vertices and (n, 3) normals in the world, of a snapshot with the same things around."""
         links = self._robot.tree.link_poses(snapshot.joints_rad)
         Ts = [links[part.link] for part in self._robot.parts]
         Ts += [snapshot.T_world_object.matrix, *snapshot.Ts_world_obstacle, snapshot.T_world_tray.matrix]
         Ts += [np.eye(4)] * 3
-        if self._scene.slab is not None:
-            Ts.append(self._scene.slab.T_world_box.matrix)
+        if snapshot.slab is not None:
+            Ts.append(snapshot.slab.T_world_box.matrix)
         pairs = list(zip(self._bodies, Ts, strict=True))
         vertices = [body.geometry.vertices @ T[:3, :3].T + T[:3, 3] for body, T in pairs]
         normals = [body.normals @ T[:3, :3].T for body, T in pairs]

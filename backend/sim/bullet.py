@@ -144,6 +144,12 @@ class Bullet:
         """The hand without its arm, open, held in the air at ``T_world_tcp``."""
         return HandAlone(self, self._load(model.hand_urdf, fixed=False), model, T_world_tcp)
 
+    def remove_body(self, body: int) -> None:
+        """Take a body out of the world."""
+        _p.removeBody(body, physicsClientId=self.id)
+        for known in (self._links, self._names, self._T_base_inertial, self._T_inertial_base):
+            known.pop(body)
+
     def pose(self, body: int) -> Pose:
         """T_world_body."""
         frame = _p.getBasePositionAndOrientation(body, physicsClientId=self.id)

@@ -28,6 +28,7 @@ FAR_M = 1.0
 """Clearances are not told apart beyond this."""
 AWAY_M = 1e3
 """So far off is what is not there."""
+ELSEWHERE = Pose.of((AWAY_M, AWAY_M, AWAY_M))
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +57,7 @@ class PlanningScene:
         self._margins = (surface_margin_m, SELF_MARGIN_M)
         self._table = BodyTable()
         self._obstacles: list[int] = []
+        self._slab: int | None = None
         self._target: Target | None = None
         model = kinematics.spheres
         self._robot: kernels.RobotArrays = (
@@ -85,6 +87,22 @@ class PlanningScene:
                 f"There is no obstacle {index} in the planning scene; it has {len(self._obstacles)}."
             )
         self._table.move(self._obstacles[index], T_world_obstacle)
+
+    def remove_obstacle(self, index: int) -> None:
+        """Take an obstacle away; those after it move up by one. Raises like ``move_obstacle``."""
+        self.move_obstacle(index, ELSEWHERE)
+        del self._obstacles[index]
+
+    def set_slab(self, size_m: tuple[float, float, float], T_world_box: Pose) -> None:
+        """Hang a slab up, instead of the one there was."""
+        self.remove_slab()
+        self._slab = self._table.add(box_shape("slab", size_m, kernels.OBSTACLE, self._margin_m), T_world_box)
+
+    def remove_slab(self) -> None:
+        """Take the slab away, if there is one."""
+        if self._slab is not None:
+            self._table.move(self._slab, ELSEWHERE)
+            self._slab = None
 
     def set_target(
         self,

@@ -8,13 +8,15 @@ from typing import Self
 import numpy as np
 
 from backend.errors import InvalidInputError, SimulationError
-from backend.events import MoveObstacle, SetBeltRate, WorldEvent
+from backend.events import AddObstacle, MoveObstacle, RemoveObstacle, SetBeltRate, SetSlab, WorldEvent
 from backend.objects import load_object
 from backend.pose import Array, Pose
 from backend.robots.models import RobotModel
 from backend.sim.bullet import SOLVER_ITERATIONS, STEP_S, Bullet, GripperDrive
 from backend.sim.conveyor import Conveyor
+from backend.snapshot import BoxPlacement
 from backend.tasks.setup import TrialSetup
+from backend.tasks.slab import slab_above
 
 TRAY_MASS_KG = 1000.0
 """So heavy that its load does not move it."""
@@ -26,6 +28,11 @@ REST_SPEED_MPS = 1e-4
 NO_SPIN = np.zeros(3)
 FREE_ITERATIONS = 30
 """Of the solver while the hand is away from the object: arm and load go the same way to 0.4 mrad and 0.02 mm."""
+
+
+def upright(event: MoveObstacle | AddObstacle) -> Pose:
+    """T_world_obstacle that an edit asks for."""
+    return Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
 
 
 class World:
@@ -55,9 +62,12 @@ class World:
         self._bullet.ignore_contacts(self._tray, "", self._floor, "")
         T_tray_object = Pose.from_xyz_yaw((0.0, 0.0, 0.0), setup.object_yaw_rad)
         self._target = self._bullet.add_object(self.object, T_world_tray @ T_tray_object)
+        self.obstacles = tuple(name for name, _ in setup.obstacles)
+        """What stands around now."""
         self._obstacles = [self._bullet.add_object(load_object(n), pose) for n, pose in setup.obstacles]
-        if setup.slab is not None:
-            self._slab = self._bullet.add_box(setup.slab.size_m, setup.slab.T_world_box)
+        self.slab: BoxPlacement | None = None
+        self._slab: int | None = None
+        self._hang(setup.slab)
         self._settle(home)
 
     def __enter__(self) -> Self:
@@ -103,12 +113,19 @@ class World:
             case SetBeltRate():
                 self.conveyor.request_rate(event.rate)
             case MoveObstacle():
-                if event.index >= len(self._obstacles):
-                    there = len(self._obstacles)
-                    raise InvalidInputError(f"There is no obstacle {event.index}; this scene has {there}.")
-                pose = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
-                self._bullet.set_pose(self._obstacles[event.index], pose)
-                self._bullet.set_velocity(self._obstacles[event.index], NO_SPIN, NO_SPIN)
+                body = self._obstacles[self._known(event.index)]
+                self._bullet.set_pose(body, upright(event))
+                self._bullet.set_velocity(body, NO_SPIN, NO_SPIN)
+            case AddObstacle():
+                self._obstacles.append(self._bullet.add_object(load_object(event.object), upright(event)))
+                self.obstacles = (*self.obstacles, event.object)
+            case RemoveObstacle():
+                index = self._known(event.index)
+                self._bullet.remove_body(self._obstacles.pop(index))
+                self.obstacles = (*self.obstacles[:index], *self.obstacles[index + 1 :])
+            case SetSlab():
+                height_m = event.height_m
+                self._hang(None if height_m is None else slab_above(self.setup.motion, height_m))
 
     def q(self) -> Array:
         """(dof,) rad."""
@@ -173,6 +190,18 @@ class World:
     def grip_n(self) -> float:
         """Sum of the normal forces between the robot's links and the object in the last step, N."""
         return sum(contact.normal_force_n for contact in self._bullet.contacts(self._target, self._robot.body))
+
+    def _known(self, index: int) -> int:
+        if index >= len(self._obstacles):
+            raise InvalidInputError(f"There is no obstacle {index}; this scene has {len(self._obstacles)}.")
+        return index
+
+    def _hang(self, slab: BoxPlacement | None) -> None:
+        """This slab instead of the one there was, or none."""
+        if self._slab is not None:
+            self._bullet.remove_body(self._slab)
+        self.slab = slab
+        self._slab = None if slab is None else self._bullet.add_box(slab.size_m, slab.T_world_box)
 
     def _carry(self, x_m: float, y_m: float, z_m: float, velocity_mps: Sequence[float]) -> None:
         """Drive the tray, its top's middle there, through the coming step; it never turns."""

@@ -27,6 +27,14 @@ class Judge:
         """People moved an obstacle: from now on it belongs there."""
         self._obstacles[index] = T_world_obstacle
 
+    def obstacle_added(self, T_world_obstacle: Pose) -> None:
+        """People put one more there."""
+        self._obstacles.append(T_world_obstacle)
+
+    def obstacle_removed(self, index: int) -> None:
+        """People took one away."""
+        del self._obstacles[index]
+
     def note_grasp(self, world: World) -> None:
         """The fingers begin to close: success is measured from this height."""
         self._grasp_z_m = float(world.object_pose().xyz_m[2])
@@ -44,7 +52,7 @@ class Judge:
 
     def knocked(self, world: World) -> str | None:
         """Which obstacle is not where it belongs; None if all are."""
-        for (name, _), before, now in zip(world.setup.obstacles, self._obstacles, world.obstacle_poses(), strict=True):
+        for name, before, now in zip(world.obstacles, self._obstacles, world.obstacle_poses(), strict=True):
             moved = float(np.linalg.norm(now.xyz_m - before.xyz_m))
             tilt = float(np.arccos(np.clip(now.rotation[:, 2] @ before.rotation[:, 2], -1.0, 1.0)))
             if moved > KNOCKED_M or tilt > KNOCKED_RAD:

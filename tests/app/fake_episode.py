@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from app.commands import Restart
 from app.engine import Keepsake, Running, TrialInfo, info_of
 from app.wanted import read_scenario, scenario_of
 from backend.errors import InvalidInputError, lookup
-from backend.events import SetBeltRate, WorldEvent
+from backend.events import AddObstacle, MoveObstacle, RemoveObstacle, SetBeltRate, SetSlab, WorldEvent
 from backend.knowledge.reach_profile import ReachProfile
 from backend.pipeline.values import (
     Candidate,
@@ -100,16 +101,39 @@ class FakeEpisode:
         slab = BoxPlacement(Pose.of((0.45, 0.0, 0.45)), (0.1, 0.6, 0.02)) if info.task == "linear_slab" else None
         obstacles = ("tomato_soup_can", "cube", "sugar_box") if slab is None else ()
         self.scene = SceneDescription(info.robot, info.object, (0.12, 0.12, 0.02), path, obstacles, slab, seed)
+        self._names: list[str] = list(obstacles)
         self._obstacles = [Pose.of((0.65, -0.3 + 0.3 * i, 0.0)) for i in range(len(obstacles))]
+        self._slab = slab
         self.closed = False
 
-    def apply(self, event: WorldEvent) -> None:
-        if isinstance(event, SetBeltRate):
-            self._rate = event.rate
-        elif event.index >= len(self._obstacles):
+    def check(self, event: WorldEvent) -> None:
+        if isinstance(event, MoveObstacle | RemoveObstacle) and event.index >= len(self._obstacles):
             raise InvalidInputError("move_obstacle.index: there is no obstacle to move")
-        else:
-            self._obstacles[event.index] = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
+
+    def apply(self, event: WorldEvent) -> None:
+        self.check(event)
+        match event:
+            case SetBeltRate():
+                self._rate = event.rate
+            case MoveObstacle():
+                self._obstacles[event.index] = Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad)
+            case AddObstacle():
+                self._names.append(event.object)
+                self._obstacles.append(Pose.from_xyz_yaw((event.x_m, event.y_m, 0.0), event.yaw_rad))
+            case RemoveObstacle():
+                del self._names[event.index], self._obstacles[event.index]
+            case SetSlab(height_m=None):
+                self._slab = None
+            case SetSlab(height_m=height_m):
+                self._slab = BoxPlacement(Pose.of((0.45, 0.0, 0.03 + (height_m or 0.0))), (0.1, 0.6, 0.02))
+
+    def edited(self, snapshot: Snapshot) -> Snapshot:
+        return replace(snapshot, **self._around())
+
+    def _around(self) -> dict[str, Any]:
+        poses = [pose.matrix for pose in self._obstacles]
+        Ts = np.array(poses).reshape(-1, 4, 4)
+        return {"obstacles": tuple(self._names), "Ts_world_obstacle": Ts, "slab": self._slab}
 
     def close(self) -> None:
         self.closed = True
@@ -154,7 +178,6 @@ class FakeEpisode:
         q = self._q(t_s)
         names = joint_names(self._info.robot)
         T_tray = Pose.of(self._start + np.array([0.0, self._s_m, 0.0]))
-        obstacles = [pose.matrix for pose in self._obstacles]
         return Snapshot(
             tick=tick,
             t_s=t_s,
@@ -164,7 +187,7 @@ class FakeEpisode:
             T_world_tcp=tcp_of(q),
             T_world_tray=T_tray,
             T_world_object=T_tray,
-            Ts_world_obstacle=np.array(obstacles).reshape(-1, 4, 4),
+            **self._around(),
             belt_rate=self._rate,
             cycle=cycle,
             cycles=cycle.number if cycle else 0,

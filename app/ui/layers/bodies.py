@@ -15,7 +15,7 @@ from app.ui.palette import Rgb
 from app.ui.touch import Touch
 from backend.objects import ObjectDescription, load_object
 from backend.pose import Array
-from backend.snapshot import SceneDescription
+from backend.snapshot import SceneDescription, Snapshot
 
 
 def add_object(
@@ -63,22 +63,31 @@ class ObstaclesLayer:
         self._nodes: list[viser.MeshHandle] = []
         self._held: set[int] = set()
         self._yaws_rad: list[float] = []
+        self._drawn: Snapshot | None = None
+        """The snapshot whose obstacles and slab the nodes are."""
 
     def begin(self, scene: SceneDescription) -> None:
         self._root.clear()
-        self._nodes, self._held, self._yaws_rad = [], set(), [0.0] * len(scene.obstacles)
-        for i, name in enumerate(scene.obstacles):
+        self._drawn = None
+
+    def _put_up(self, snapshot: Snapshot) -> None:
+        self._root.clear()
+        self._drawn = snapshot
+        self._nodes, self._held, self._yaws_rad = [], set(), [0.0] * len(snapshot.obstacles)
+        for i, name in enumerate(snapshot.obstacles):
             shape = load_object(name)
             node = add_object(self._scene, f"{self._root.name}/{i}", shape, shape.color_rgb)
             make_draggable(node, self._touch.may, partial(self._hold, i), partial(self._drop, i))
             self._nodes.append(node)
-        if scene.slab is not None:
+        if snapshot.slab is not None:
             slab = self._scene.add_box(
-                f"{self._root.name}/slab", color=palette.SLAB, dimensions=scene.slab.size_m, opacity=0.6
+                f"{self._root.name}/slab", color=palette.SLAB, dimensions=snapshot.slab.size_m, opacity=0.6
             )
-            place(slab, scene.slab.T_world_box)
+            place(slab, snapshot.slab.T_world_box)
 
     def draw(self, picture: Picture) -> None:
+        if self._drawn is None or not picture.snapshot.stands_as(self._drawn):
+            self._put_up(picture.snapshot)
         for i, (node, T) in enumerate(zip(self._nodes, picture.snapshot.Ts_world_obstacle, strict=True)):
             self._yaws_rad[i] = float(np.arctan2(T[1, 0], T[0, 0]))
             if i not in self._held:

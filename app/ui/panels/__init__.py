@@ -4,6 +4,7 @@ from app.ui.panels.belt import BeltPanel
 from app.ui.panels.crash import CrashPanel
 from app.ui.panels.legend import LegendPanel
 from app.ui.panels.method import MethodPanel
+from app.ui.panels.obstacles import ObstaclesPanel
 from app.ui.panels.panel import Panel, View
 from app.ui.panels.playback import PlaybackPanel
 from app.ui.panels.ranking import RankingPanel
@@ -19,7 +20,7 @@ Panels = tuple[type[Panel], ...]
 CONTROL_PANELS: Panels = (CrashPanel, PlaybackPanel)
 """On the right, always in sight."""
 CONTROL_TABS: tuple[tuple[str, Panels], ...] = (
-    ("Scenario", (ScenarioPanel, BeltPanel, TaskPanel)),
+    ("Scenario", (ScenarioPanel, BeltPanel, ObstaclesPanel, TaskPanel)),
     ("Method", (MethodPanel,)),
     ("Share", (SharePanel,)),
 )
