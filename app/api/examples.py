@@ -45,6 +45,16 @@ COMMANDS: dict[str, Example] = {
         kind="apply_event",
         event={"kind": "move_obstacle", "index": 0, "x_m": 0.5, "y_m": -0.2},
     ),
+    "new obstacle": _example(
+        "One more obstacle in the running trial; `remove_obstacle` with its `index` takes it away",
+        kind="apply_event",
+        event={"kind": "add_obstacle", "object": "power_drill", "x_m": 0.6, "y_m": 0.4},
+    ),
+    "slab": _example(
+        "A slab 40 cm above the belt of the running trial; null takes it away",
+        kind="apply_event",
+        event={"kind": "set_slab", "height_m": 0.4},
+    ),
     "look back": _example("Show an earlier moment; null is the newest", kind="look_back", t_s=2.5),
     "go on": _example("Play on from the moment shown", kind="go_on"),
 }

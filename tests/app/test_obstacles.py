@@ -29,11 +29,11 @@ from backend.snapshot import Snapshot
 from tests.app.sessions import tick, wait
 
 
-def shown(panel: ObstaclesPanel, state: SessionState) -> tuple[tuple[str, ...], bool, bool]:
-    """What the panel says is standing, whether one can be removed, and whether it says there is a slab."""
+def shown(panel: ObstaclesPanel, state: SessionState) -> tuple[tuple[str, ...], bool]:
+    """What the panel says is standing, and whether it says there is a slab."""
     panel.show(View(state.shown, state, (), Tally(), None, ""))
     parts: Any = panel
-    return tuple(parts._which.options), not parts._remove.disabled, parts._slab.value
+    return tuple(parts._which.options), parts._slab.value
 
 
 def around(state: SessionState) -> Snapshot:
@@ -47,14 +47,14 @@ def test_what_is_put_up_and_taken_away_while_paused_is_seen_at_once_and_recorded
     wait(session, lambda s: tick(s) == 0)
     panel = ObstaclesPanel(server.gui, Desk(server, session))
     three = ("1 tomato_soup_can", "2 cube", "3 sugar_box")
-    assert shown(panel, session.state) == (three, True, False)
+    assert shown(panel, session.state) == (three, False)
     assert "power_drill put up at" in (panel.add("power_drill") or "")
     state = wait(session, lambda s: len(around(s).obstacles) == 4)
     assert tick(state) == 0 and shown(panel, state)[0] == (*three, "4 power_drill")
     assert panel.remove("2 cube") == "2 cube taken away in the running trial."
     panel.set_slab(True)
     state = wait(session, lambda s: around(s).slab is not None)
-    assert shown(panel, state) == (("1 tomato_soup_can", "2 sugar_box", "3 power_drill"), True, True)
+    assert shown(panel, state) == (("1 tomato_soup_can", "2 sugar_box", "3 power_drill"), True)
     kinds = [type(timed.event) for timed in wait(session, lambda s: len(s.events) == 3).events]
     assert kinds == [AddObstacle, RemoveObstacle, SetSlab]
     panel.set_slab(False)
@@ -68,7 +68,7 @@ def test_without_obstacles_none_can_be_taken_away(server: viser.ViserServer, ses
     for left in (2, 1, 0):
         session.send(ApplyEvent(event=RemoveObstacle(index=0)))
         wait(session, lambda s, left=left: len(around(s).obstacles) == left)
-    assert shown(panel, session.state)[:2] == (("none",), False)
+    assert shown(panel, session.state)[0] == ("none",)
     with pytest.raises(InvalidInputError, match=r"no obstacle '1 cube'\. Standing: none"):
         panel.remove("1 cube")
 
@@ -148,6 +148,5 @@ def test_edits_of_what_was_put_up_before_are_not_refused() -> None:
     timed = tuple(TimedEvent(tick=i, event=event) for i, event in enumerate(events))
     scenario = load_scenario("ur5_linear_obstacles").model_copy(update={"events": timed})
     with LiveEpisode(scenario, 0) as episode:
-        for snapshot, _ in zip(episode.run(), range(4), strict=False):
-            last = snapshot
+        *_, last = (snapshot for snapshot, _ in zip(episode.run(), range(4), strict=False))
         np.testing.assert_allclose(last.Ts_world_obstacle[3, :2, 3], (1.0, 1.2), atol=1e-3)

@@ -31,17 +31,17 @@ class ObstaclesPanel:
         with gui.add_folder("Obstacles (act at once)", expand_by_default=False):
             kinds = (*OBSTACLES, *(name for name in object_names() if name not in OBSTACLES))
             self._kind = gui.add_dropdown("New", kinds, hint="What Add puts beside the belt")
-            self._add = gui.add_button("Add", hint="Beside the belt; then drag it in the scene")
             self._which: viser.GuiDropdownHandle[str] = gui.add_dropdown(
                 "Standing", [NONE], hint="What Remove takes away"
             )
-            self._remove = gui.add_button("Remove")
+            self._buttons = gui.add_button_group(
+                "Change", ("Add", "Remove"), hint="Add: beside the belt, then drag it in the scene"
+            )
             self._slab = gui.add_checkbox("Slab", False, hint="Above the whole belt, 10 cm wide")
             self._height = gui.add_slider(
                 "Slab, cm", *SLAB_CM, 1.0, USUAL_SLAB_CM, hint="From the tray to the slab's underside"
             )
-        self._add.on_click(choosing(desk, "add obstacle", lambda _: self.add(self._kind.value)))
-        self._remove.on_click(choosing(desk, "remove obstacle", lambda _: self.remove(self._which.value)))
+        self._buttons.on_click(choosing(desk, "obstacle", self.press))
         self._slab.on_update(choosing(desk, "slab", self.set_slab))
         self._height.on_update(choosing(desk, "slab height", self._set_height, SETTLE_S))
 
@@ -53,13 +53,16 @@ class ObstaclesPanel:
         if tuple(self._which.options) != standing:
             self._which.options = standing
             self._which.value = standing[-1]
-        self._remove.disabled = standing == (NONE,)
         self._height.disabled = snapshot.slab is None
         self._desk.mirror("slab", self._slab, snapshot.slab is not None)
         height_m = height_of_slab_m(view)
         if height_m is not None:
             lowest, highest = SLAB_CM
             self._desk.mirror("slab height", self._height, min(max(round(CM_PER_M * height_m), lowest), highest))
+
+    def press(self, label: str) -> Answer:
+        """Add or remove what is chosen above the buttons."""
+        return self.add(self._kind.value) if label == "Add" else self.remove(self._which.value)
 
     def add(self, name: str) -> Answer:
         """Put one up where there is room."""

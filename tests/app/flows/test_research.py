@@ -204,6 +204,20 @@ def test_an_obstacle_is_dragged_while_the_trial_runs_and_the_edit_recorded(serve
     assert 0.03 < moved < 0.6 and after[2] == pytest.approx(before[2])
 
 
+def test_an_obstacle_is_put_up_and_a_slab_hung_while_the_trial_is_paused(served: Served, page: Page) -> None:
+    tab(page, "Scenario")
+    page.get_by_text("Obstacles (act at once)").first.click()
+    button(page, "Add").click()
+    expect(page.get_by_text("tomato_soup_can put up at").first).to_be_visible()
+    wait_for_node(page, "/obstacles/3")
+    page.get_by_label("Slab", exact=True).check()
+    wait_for_node(page, "/obstacles/slab")
+    button(page, "Remove").click()
+    expect(page.get_by_text("taken away in the running trial").first).to_be_visible()
+    wait_for(served, lambda s: s["live_edits"] == 3)
+    page.get_by_text("Obstacles (act at once)").first.click()
+
+
 def test_the_card_of_a_grasp_says_what_became_of_it(served: Served, page: Page) -> None:
     play_to(served, 60)
     tab(page, "Grasps")
