@@ -173,6 +173,7 @@ def test_a_new_trial_leaves_nothing_of_the_old_one(server: viser.ViserServer) ->
     for layer in layers:
         layer.begin(recorded("ur5_linear_slab")[0])
     assert server.scene.get_handle_by_name("/obstacles/0") is None
+    draw_all(server, "ur5_linear_slab", slice(0, 1))
     assert server.scene.get_handle_by_name("/obstacles/slab") is not None
 
 

@@ -77,7 +77,7 @@ def test_the_report_has_its_tables_and_plots(page: Page) -> None:
     tab(page, "Report")
     expect(page.locator(".plot .main-svg").first).to_be_visible(timeout=60_000)
     expect(page.get_by_text("8 of 8 trials")).to_be_visible()
-    expect(page.locator(".plot")).to_have_count(6)
+    expect(page.locator(".plot")).to_have_count(7)
 
 
 def test_what_is_broken_or_foreign_is_said_and_the_rest_goes_on(page: Page) -> None:
