@@ -24,17 +24,15 @@ class Editing:
     def check(self, event: WorldEvent) -> None:
         """Raises ``InvalidInputError`` for an obstacle that is not there, and for what would stand in something."""
         world = self._world
-        there = len(world.obstacles)
         match event:
             case SetBeltRate():
                 pass
             case MoveObstacle() | RemoveObstacle():
-                if event.index >= there:
-                    raise InvalidInputError(f"There is no obstacle {event.index}; this scene has {there}.")
+                index = world.obstacle(event.index)
                 if isinstance(event, MoveObstacle):
-                    self._check_room(world.obstacles[event.index], upright(event), besides=event.index)
+                    self._check_room(world.obstacles[index], upright(event), besides=index)
             case AddObstacle():
-                if there >= MOST_OBSTACLES:
+                if (there := len(world.obstacles)) >= MOST_OBSTACLES:
                     raise InvalidInputError(f"There are {there} obstacles already, and no more are possible.")
                 self._check_room(event.object, upright(event))
             case SetSlab(height_m=height_m):

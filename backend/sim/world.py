@@ -113,14 +113,14 @@ class World:
             case SetBeltRate():
                 self.conveyor.request_rate(event.rate)
             case MoveObstacle():
-                body = self._obstacles[self._known(event.index)]
+                body = self._obstacles[self.obstacle(event.index)]
                 self._bullet.set_pose(body, upright(event))
                 self._bullet.set_velocity(body, NO_SPIN, NO_SPIN)
             case AddObstacle():
                 self._obstacles.append(self._bullet.add_object(load_object(event.object), upright(event)))
                 self.obstacles = (*self.obstacles, event.object)
             case RemoveObstacle():
-                index = self._known(event.index)
+                index = self.obstacle(event.index)
                 self._bullet.remove_body(self._obstacles.pop(index))
                 self.obstacles = (*self.obstacles[:index], *self.obstacles[index + 1 :])
             case SetSlab():
@@ -191,7 +191,8 @@ class World:
         """Sum of the normal forces between the robot's links and the object in the last step, N."""
         return sum(contact.normal_force_n for contact in self._bullet.contacts(self._target, self._robot.body))
 
-    def _known(self, index: int) -> int:
+    def obstacle(self, index: int) -> int:
+        """The index itself; raises ``InvalidInputError`` when there is no such obstacle."""
         if index >= len(self._obstacles):
             raise InvalidInputError(f"There is no obstacle {index}; this scene has {len(self._obstacles)}.")
         return index
