@@ -102,8 +102,9 @@ def measure(served: Served, page: Page, times: int) -> dict[str, tuple[float, li
             page.wait_for_timeout(1000)
             click = button(page, label).click
             see(Deed(f"{name}: belt's direction", limit_s, lambda _, click=click: click(), SAID % (said, said)))
-    begin_anew(served)
     for _ in range(times):
+        begin_anew(served)
+        page.wait_for_timeout(1000)
         see(Deed("paused: play", PAUSED_S, lambda page: button(page, "Play").click(), OBJECT_MOVES))
         page.wait_for_timeout(200)
         see(Deed("running: pause", RUNNING_S, lambda page: button(page, "Pause").click(), BUTTON % "Play"))
