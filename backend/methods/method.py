@@ -62,6 +62,8 @@ class Reachability(Config):
 
     kind: Literal["reachability"] = "reachability"
     keep: Annotated[int, Field(ge=1, le=100)] = 10
+    varied: bool = True
+    """Of grasps much alike only the best is kept, so that one of those kept is near; the paper keeps them all."""
 
 
 class MotionAware(Config):
@@ -69,6 +71,8 @@ class MotionAware(Config):
 
     kind: Literal["motion_aware"] = "motion_aware"
     keep: Annotated[int, Field(ge=1, le=100)] = 10
+    varied: bool = True
+    """Of grasps much alike only the best is kept, so that one of those kept is near; the paper keeps them all."""
 
 
 class ReachabilityMotion(Config):
@@ -77,6 +81,8 @@ class ReachabilityMotion(Config):
     kind: Literal["reachability_motion"] = "reachability_motion"
     keep_each: Annotated[int, Field(ge=1, le=50)] = 5
     """Of either kind; a grasp that is among both is kept once."""
+    varied: bool = True
+    """In either kind, of grasps much alike only the best is kept, so that one is near; the paper keeps them all."""
 
 
 FilterConfig = Annotated[

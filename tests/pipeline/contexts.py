@@ -3,11 +3,15 @@
 import numpy as np
 
 from backend.kinematics import load_kinematics
+from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import PreparedGrasps
 from backend.knowledge.reachability import load_reachability
-from backend.pipeline.filter import RankContext
+from backend.pipeline.filter import RankContext, alike
 from backend.pipeline.values import PlanarMotion
 from backend.sim.planning_scene import PlanningScene
+
+OBJECT = "tomato_soup_can"
+"""Whose grasps are ranked."""
 
 
 def context_of(
@@ -26,6 +30,7 @@ def context_of(
         put_off=put_off,
         lift_m=0.1,
         rng=np.random.default_rng(0),
+        alike=alike(load_grasps("ur5_robotiq", OBJECT).Ts_object_grasp),
         reachability=load_reachability("ur5_robotiq"),
         in_motion=in_motion,
         motion=motion,

@@ -6,17 +6,21 @@ import pytest
 from backend.knowledge.grasps import load_grasps
 from backend.methods.method import Reachability
 from backend.pipeline.convert import convert
-from backend.pipeline.filter import shortlist
+from backend.pipeline.filter import alike, shortlist
 from backend.pipeline.filter.ranking import PUT_OFF
 from backend.pipeline.values import Shortlist
 from backend.pose import Pose
 from tests.pipeline.contexts import context_of
 
 
-def ranked(x_m: float, held: int | None = None, put_off: frozenset[int] = frozenset()) -> Shortlist:
+def ranked(
+    x_m: float, held: int | None = None, put_off: frozenset[int] = frozenset(), *, varied: bool = True
+) -> Shortlist:
     context = context_of(held, put_off)
     grasps = load_grasps("ur5_robotiq", "tomato_soup_can")
-    return shortlist(Reachability(), convert(grasps, Pose.from_xyz_yaw((x_m, 0.1, 0.02), 0.4), 0.075), context)
+    return shortlist(
+        Reachability(varied=varied), convert(grasps, Pose.from_xyz_yaw((x_m, 0.1, 0.02), 0.4), 0.075), context
+    )
 
 
 @pytest.mark.parametrize("x_m", [0.5, 0.8, 1.1])
@@ -29,10 +33,22 @@ def test_every_grasp_is_kept_or_has_a_reason(x_m: float):
 
 
 def test_the_best_come_first_and_are_better_than_the_rest():
-    short = ranked(0.5)
+    short = ranked(0.5, varied=False)
     kept = short.score[list(short.kept)]
     assert len(kept) == 10 and (np.diff(kept) <= 0.0).all()
     assert kept.min() > 0.0 and kept.min() >= short.score[list(short.rejected)].max()
+
+
+def test_of_grasps_much_alike_the_best_is_kept_and_the_others_say_so():
+    short, plain = ranked(0.5), ranked(0.5, varied=False)
+    assert short.kept[0] == plain.kept[0] and len(short.kept) == 10
+    near = alike(short.candidates.Ts_world_grasp)
+    passed = [i for i, why in short.rejected.items() if why == "reachable, but much like one further inside"]
+    assert passed
+    for i in passed:
+        assert any(near[i, k] and short.score[k] >= short.score[i] for k in short.kept)
+    better = {i for i in short.rejected if short.score[i] > short.score[list(short.kept)].min()}
+    assert better <= set(passed)
 
 
 def test_the_held_grasp_stays_while_it_is_reachable():

@@ -7,9 +7,10 @@ from backend.pipeline.filter.random import shortlist_random
 from backend.pipeline.filter.ranking import RankContext
 from backend.pipeline.filter.reachability import shortlist_by_reachability
 from backend.pipeline.filter.reachability_motion import shortlist_by_both
+from backend.pipeline.filter.variety import alike
 from backend.pipeline.values import Candidates, Shortlist
 
-__all__ = ["RankContext", "shortlist"]
+__all__ = ["RankContext", "alike", "shortlist"]
 
 
 def shortlist(config: FilterConfig, candidates: Candidates, context: RankContext) -> Shortlist:

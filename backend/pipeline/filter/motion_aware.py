@@ -4,10 +4,12 @@ import numpy as np
 
 from backend.methods.method import MotionAware
 from backend.pipeline.filter.ranking import PUT_OFF, RankContext, best_first
+from backend.pipeline.filter.variety import varied
 from backend.pipeline.reasons import Reasons
 from backend.pipeline.values import Candidates, Shortlist
 
 OTHERS_HOLD_BETTER = "others hold better in this motion"
+LIKE_ONE_BETTER = "much like one that holds better in this motion"
 
 
 def shortlist_by_motion(config: MotionAware, candidates: Candidates, context: RankContext) -> Shortlist:
@@ -21,6 +23,12 @@ def shortlist_by_motion(config: MotionAware, candidates: Candidates, context: Ra
     left = np.ones(len(candidates.quality), dtype=np.bool_)
     left[list(put_off)] = False
     ranked = best_first(quality, left, context.held)
-    out = [*sorted(put_off), *ranked[config.keep :]]
-    rejected = Reasons(out, lambda i: PUT_OFF if i in put_off else OTHERS_HOLD_BETTER)
-    return Shortlist(candidates, tuple(ranked[: config.keep]), quality, rejected, motion_quality=quality)
+    kept, passed = varied(ranked, config.keep, context.alike if config.varied else None)
+
+    def why(i: int) -> str:
+        if i in put_off:
+            return PUT_OFF
+        return LIKE_ONE_BETTER if i in passed else OTHERS_HOLD_BETTER
+
+    rejected = Reasons([*sorted(put_off), *(i for i in ranked if i not in kept)], why)
+    return Shortlist(candidates, tuple(kept), quality, rejected, motion_quality=quality)

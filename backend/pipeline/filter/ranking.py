@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from backend.kinematics import Kinematics
 from backend.knowledge.motion_aware import PreparedGrasps
 from backend.knowledge.reachability import ReachabilityField
+from backend.pipeline.filter.variety import Alike
 from backend.pipeline.values import PlanarMotion
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
@@ -29,6 +30,8 @@ class RankContext:
     """Indices of grasps that were refused a moment ago, by a room or in rehearsal."""
     lift_m: float
     rng: np.random.Generator
+    alike: Alike
+    """Which grasps of the database are alike."""
     reachability: ReachabilityField | None = None
     """Loaded for the methods that rank with it."""
     in_motion: PreparedGrasps | None = None

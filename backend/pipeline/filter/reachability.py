@@ -4,6 +4,7 @@ import numpy as np
 
 from backend.methods.method import Reachability
 from backend.pipeline.filter.ranking import PUT_OFF, RankContext, best_first
+from backend.pipeline.filter.variety import varied
 from backend.pipeline.reasons import Reasons
 from backend.pipeline.values import Candidates, Shortlist
 
@@ -24,14 +25,17 @@ def shortlist_by_reachability(config: Reachability, candidates: Candidates, cont
     out, put_off = worse <= 0.0, context.put_off
     out[list(put_off)] = True
     ranked = best_first(score, ~out, context.held)
+    kept, passed = varied(ranked, config.keep, context.alike if config.varied else None)
 
     def why(i: int) -> str:
         if i in put_off:
             return PUT_OFF
+        if i in passed:
+            return "reachable, but much like one further inside"
         return "reachable, but others lie further inside" if worse[i] > 0.0 else _beyond(distance[i], distance[n + i])
 
-    rejected = Reasons([*np.flatnonzero(out).tolist(), *ranked[config.keep :]], why)
-    return Shortlist(candidates, tuple(ranked[: config.keep]), score, rejected, reachability_m=score)
+    rejected = Reasons([*np.flatnonzero(out).tolist(), *(i for i in ranked if i not in kept)], why)
+    return Shortlist(candidates, tuple(kept), score, rejected, reachability_m=score)
 
 
 def _beyond(pregrasp_m: float, grasp_m: float) -> str:
