@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backend.methods.method import Chomp
-from backend.pipeline.plan.chomp_descent import bent_line, descend, inverse_metric, straight_line
+from backend.pipeline.plan.chomp_descent import bent_line, descend, inverse_metric, line_along, straight_line
 from backend.pipeline.plan.ends import Ends, check_ends
 from backend.pipeline.plan.seed_path import CheckCount, ahead, straight, without_repeats
 from backend.pipeline.values import Plan, PlanRequest, Refusal
@@ -90,19 +90,7 @@ class ChompPlanner:
 
 
 def _joined(rest: Array, ends: Ends, count: int) -> Beginning:
-    """The start and the ``rest`` (n, dof) of the previous path, moved so that it ends at the goal nearest to its end.
-
-    The shift grows evenly along the path: moving an end so costs no accelerations.
-    """
+    """The start and the ``rest`` (n, dof) of the previous path, bent so that it ends at the goal nearest to its end."""
     chain = np.vstack([ends.start, rest])
     index, goal = min(ends.goals, key=lambda numbered: float(np.abs(numbered[1] - chain[-1]).max()))
-    edges = chain[1:] - chain[:-1]
-    marks = np.zeros(len(chain))
-    np.cumsum(np.sqrt((edges**2).sum(axis=1)), out=marks[1:])
-    along = np.arange(count + 2) / (count + 1)
-    path = np.empty((count + 2, chain.shape[1]))
-    for j in range(chain.shape[1]):
-        path[:, j] = np.interp(along * marks[-1], marks, chain[:, j])
-    path += along[:, None] * (goal - path[-1])
-    path[0], path[-1] = ends.start, goal
-    return Beginning(path, index, "seeded")
+    return Beginning(line_along(chain, goal, count), index, "seeded")

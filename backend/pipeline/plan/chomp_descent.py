@@ -50,6 +50,31 @@ def bent_line(q0: Array, q1: Array, count: int, bend_rad: float, rng: np.random.
 
 
 @kernel
+def line_along(chain: Array, goal: Array, count: int) -> Array:
+    """(count + 2, dof) evenly spaced along ``chain`` (n, dof), moved so that it ends at ``goal``.
+
+    The shift grows evenly along the path: moving an end so costs no accelerations.
+    """
+    n, dof = chain.shape
+    marks = np.zeros(n)
+    for i in range(1, n):
+        marks[i] = marks[i - 1] + np.sqrt(np.sum((chain[i] - chain[i - 1]) ** 2))
+    path = np.empty((count + 2, dof))
+    edge = 0
+    for k in range(count + 2):
+        share = k / (count + 1)
+        at = share * marks[-1]
+        while edge < n - 2 and marks[edge + 1] < at:
+            edge += 1
+        part = (at - marks[edge]) / max(marks[edge + 1] - marks[edge], 1e-12)
+        for j in range(dof):
+            here = chain[edge, j] + part * (chain[edge + 1, j] - chain[edge, j])
+            path[k, j] = here + share * (goal[j] - chain[-1, j])
+    path[0], path[-1] = chain[0], goal
+    return path
+
+
+@kernel
 def keep_within(qs: Array, limits: Array, metric: Array) -> None:
     """Move the inner waypoints (n, dof) into ``limits`` (2, dof), first smoothly, then by cutting off."""
     for j in range(qs.shape[1]):

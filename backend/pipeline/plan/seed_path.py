@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from backend.kinematics.compiled import kernel
 from backend.pipeline.plan.ends import Ends
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
@@ -87,15 +89,8 @@ def reconnected(ends: Ends, chain: Array, count: CheckCount) -> Found | None:
 
 def without_repeats(waypoints: Array) -> Array:
     """The same path without waypoints that equal their predecessor; its ends stay exact."""
-    if (np.abs(waypoints[1:] - waypoints[:-1]).max(axis=1) > SAME_RAD).all():
-        return waypoints
-    keep = [0]
-    for i in range(1, len(waypoints)):
-        if np.abs(waypoints[i] - waypoints[keep[-1]]).max() > SAME_RAD:
-            keep.append(i)
-    if keep[-1] != len(waypoints) - 1:
-        keep[-1 if len(keep) > 1 else 0] = len(waypoints) - 1
-    return waypoints[keep]
+    kept = _kept(np.ascontiguousarray(waypoints))
+    return waypoints if len(kept) == len(waypoints) else waypoints[kept]
 
 
 def along(chain: Array) -> tuple[Array, list[int]]:
@@ -113,11 +108,31 @@ def along(chain: Array) -> tuple[Array, list[int]]:
 
 def _ahead(waypoints: Array, q: Array) -> Array:
     """The waypoints after the point of the path nearest to ``q``."""
-    if len(waypoints) == 1:
-        return waypoints
-    edges, to_q = waypoints[1:] - waypoints[:-1], q - waypoints[:-1]
-    squares = np.maximum((edges**2).sum(axis=1), SAME_RAD**2)
-    along = np.minimum(np.maximum((to_q * edges).sum(axis=1) / squares, 0.0), 1.0)
-    gaps = ((along[:, None] * edges - to_q) ** 2).sum(axis=1)
-    ahead = waypoints[int(gaps.argmin()) + 1 :]
-    return ahead[1:] if np.abs(ahead[0] - q).max() < SAME_RAD else ahead
+    return waypoints[_first_ahead(np.ascontiguousarray(waypoints), q) :]
+
+
+@kernel
+def _first_ahead(waypoints: Array, q: Array) -> int:
+    """Index of the first waypoint after the point of the path nearest to ``q`` that is not at ``q``."""
+    if waypoints.shape[0] == 1:
+        return 0
+    nearest, first = np.inf, 0
+    for i in range(waypoints.shape[0] - 1):
+        edge, to_q = waypoints[i + 1] - waypoints[i], q - waypoints[i]
+        share = min(max(np.sum(to_q * edge) / max(np.sum(edge * edge), SAME_RAD**2), 0.0), 1.0)
+        gap = np.sum((share * edge - to_q) ** 2)
+        if gap < nearest:
+            nearest, first = gap, i + 1
+    return first + 1 if np.max(np.abs(waypoints[first] - q)) < SAME_RAD else first
+
+
+@kernel
+def _kept(waypoints: Array) -> NDArray[np.int64]:
+    """Indices of the waypoints that do not equal the one kept before; the last is always among them."""
+    kept, n = np.zeros(len(waypoints), dtype=np.int64), 1
+    for i in range(1, len(waypoints)):
+        if np.max(np.abs(waypoints[i] - waypoints[kept[n - 1]])) > SAME_RAD:
+            kept[n] = i
+            n += 1
+    kept[n - 1] = len(waypoints) - 1
+    return kept[:n]
