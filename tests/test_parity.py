@@ -100,7 +100,7 @@ def test_a_trial_gone_on_with_is_the_trial_it_was(live: Live):
 
 @pytest.mark.parametrize(
     ("name", "method", "other"),
-    [("ur5_linear", "ours_rm", "no_prediction"), ("mico_linear_obstacles", "ours_rm", "baseline")],
+    [("ur5_linear", "ours_rm", "no_prediction"), ("mico_linear_obstacles", "ours_rm", "motion_aware")],
 )
 def test_either_of_two_that_are_compared_is_what_it_is_alone(live: Live, name: str, method: str, other: str):
     """In one process and step by step with the other, edited alike, and whichever ends first."""
