@@ -11,16 +11,13 @@ import numpy as np
 
 from backend.kinematics import Kinematics
 from backend.knowledge.grasps import GraspDatabase
-from backend.knowledge.motion_aware import PreparedGrasps, load_motion_aware
-from backend.knowledge.reachability import ReachabilityField, load_reachability
 from backend.methods import Method
-from backend.methods.method import FilterConfig, MotionAware, Reachability, ReachabilityMotion
 from backend.pipeline.convert import convert
 from backend.pipeline.evade import evade
 from backend.pipeline.execute import RIDE_S, ApproachRequest, ArmState
-from backend.pipeline.filter import RankContext, alike, shortlist
+from backend.pipeline.filter import RankContext, known_to, shortlist
 from backend.pipeline.horizon import Underway, horizons_s, in_time
-from backend.pipeline.pick import pick_nearest
+from backend.pipeline.pick import goals_at_once, pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
 from backend.pipeline.reasons import with_others
@@ -35,9 +32,6 @@ from backend.trajectory import Path, Trajectory
 
 CANDIDATES_TRIED = 3
 """How often a cycle plans, each time for other grasps, before it gives up."""
-GRASPS_AT_FIRST = 4
-"""So many are planned to at once while the arm is not on its way to one of them: the nearest goal that a straight edge
-reaches may be of another than the nearest grasp."""
 WARY_S = 3.0
 """So far ahead a motion is checked against the object as it moves on."""
 
@@ -83,9 +77,7 @@ class Cycle:
         self._grasps = grasps
         self._think = think
         self._rng = rng
-        self._reachability = _field_for(method.filter, robot)
-        self._in_motion = _grasps_in_motion_for(method.filter, grasps)
-        self._alike = alike(grasps.Ts_object_grasp)
+        self._known = known_to(method.filter, grasps)
         self._T_grasp_pregrasp = Pose.of((0.0, 0.0, -robot.backoff_m))
         self._planner: Planner = make_planner(method.planner)
         self.rehearsal = Rehearsal(kinematics, scene, limits, method.execution.lift_m, method.rehearsal)
@@ -213,7 +205,7 @@ class Cycle:
         for _ in range(CANDIDATES_TRIED):
             if not left:
                 break
-            asked, choices = self._asked(start, arm, left)
+            asked, choices = goals_at_once(left, start.held, self._planner.grasps_at_once, arm.q)
             with watch("plan"):
                 rng_seed = int(self._rng.integers(1, 2**31))
                 request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
@@ -231,17 +223,6 @@ class Cycle:
             result = replace(so_far, refused_by="retime", why=timed.why)
             left.remove(candidate)
         return result
-
-    def _asked(
-        self, start: CycleStart, arm: ArmState, left: list[Candidate]
-    ) -> tuple[list[Candidate], list[tuple[Candidate, Array]]]:
-        """The grasps to be planned to at once, and their goals in order of preference."""
-        underway = start.held is not None and any(candidate.index == start.held.index for candidate in left)
-        asked = left[: self._planner.grasps_at_once if underway else max(self._planner.grasps_at_once, GRASPS_AT_FIRST)]
-        choices = [(candidate, goal.q_pregrasp) for candidate in asked for goal in candidate.goals]
-        if not underway:
-            choices.sort(key=lambda choice: float(np.abs(choice[1] - arm.q).max()))
-        return asked, choices
 
     def _timed(self, arm: ArmState, path: Path, predictor: Predictor) -> Trajectory | Refusal:
         """The motion along a path from ``arm`` on, if it does not touch the object as that moves on."""
@@ -274,23 +255,9 @@ class Cycle:
             put_off=start.put_off,
             lift_m=self.method.execution.lift_m,
             rng=self._rng,
-            reachability=self._reachability,
-            in_motion=self._in_motion,
-            alike=self._alike,
+            known=self._known,
             motion=prediction.motion(1, 2),
         )
-
-
-def _field_for(config: FilterConfig, robot: RobotDescription) -> ReachabilityField | None:
-    """What a filter needs to know of reach; None for those that do not ask."""
-    return load_reachability(robot.name) if isinstance(config, Reachability | ReachabilityMotion) else None
-
-
-def _grasps_in_motion_for(config: FilterConfig, grasps: GraspDatabase) -> PreparedGrasps | None:
-    """What a filter needs to know of holding in motion; None for those that do not ask."""
-    if not isinstance(config, MotionAware | ReachabilityMotion):
-        return None
-    return load_motion_aware(grasps.robot, grasps.object).over(grasps.Ts_object_grasp)
 
 
 def seen_by(predictor: Predictor, t_s: Array) -> Array:

@@ -6,7 +6,8 @@ from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import PreparedGrasps
 from backend.knowledge.reachability import load_reachability
-from backend.pipeline.filter import RankContext, alike
+from backend.pipeline.filter import Known, RankContext
+from backend.pipeline.filter.variety import alike
 from backend.pipeline.values import PlanarMotion
 from backend.sim.planning_scene import PlanningScene
 
@@ -21,7 +22,7 @@ def context_of(
     motion: PlanarMotion | None = None,
 ) -> RankContext:
     """Knows the field of reach, and of motion what it is given."""
-    kinematics = load_kinematics("ur5_robotiq")
+    kinematics, grasps = load_kinematics("ur5_robotiq"), load_grasps("ur5_robotiq", OBJECT)
     return RankContext(
         kinematics=kinematics,
         scene=PlanningScene(kinematics),
@@ -30,8 +31,6 @@ def context_of(
         put_off=put_off,
         lift_m=0.1,
         rng=np.random.default_rng(0),
-        alike=alike(load_grasps("ur5_robotiq", OBJECT).Ts_object_grasp),
-        reachability=load_reachability("ur5_robotiq"),
-        in_motion=in_motion,
+        known=Known(alike(grasps.Ts_object_grasp), load_reachability("ur5_robotiq"), in_motion),
         motion=motion,
     )

@@ -23,7 +23,7 @@ from backend.pipeline.predict import make_predictor
 from backend.pipeline.values import Observation, PlanarMotion, Prediction, Shortlist
 from backend.pose import Pose
 from tests.motion_models import drawn_model
-from tests.pipeline.contexts import context_of
+from tests.pipeline.contexts import OBJECT, context_of
 
 angles = st.floats(-np.pi, np.pi)
 
@@ -69,9 +69,7 @@ def test_the_motion_is_the_predictors_not_the_truths(config: ConstantVelocity | 
 
 
 def prepared() -> PreparedGrasps:
-    return drawn_model("ur5_robotiq", "tomato_soup_can").over(
-        load_grasps("ur5_robotiq", "tomato_soup_can").Ts_object_grasp
-    )
+    return drawn_model("ur5_robotiq", OBJECT).over(load_grasps("ur5_robotiq", OBJECT).Ts_object_grasp)
 
 
 def ranked(
@@ -81,7 +79,7 @@ def ranked(
     put_off: frozenset[int] = frozenset(),
     direction_rad: float = 0.7,
 ) -> Shortlist:
-    grasps = load_grasps("ur5_robotiq", "tomato_soup_can")
+    grasps = load_grasps("ur5_robotiq", OBJECT)
     candidates = convert(grasps, Pose.from_xyz_yaw((x_m, 0.1, 0.02), 0.4), 0.075)
     return shortlist(config, candidates, context_of(held, put_off, prepared(), PlanarMotion(0.03, direction_rad)))
 

@@ -2,15 +2,15 @@
 
 from backend.methods.method import FilterConfig, IkFilter, MotionAware, RandomFilter, Reachability, ReachabilityMotion
 from backend.pipeline.filter.ik import shortlist_by_ik
+from backend.pipeline.filter.known import Known, known_to
 from backend.pipeline.filter.motion_aware import shortlist_by_motion
 from backend.pipeline.filter.random import shortlist_random
 from backend.pipeline.filter.ranking import RankContext
 from backend.pipeline.filter.reachability import shortlist_by_reachability
 from backend.pipeline.filter.reachability_motion import shortlist_by_both
-from backend.pipeline.filter.variety import alike
 from backend.pipeline.values import Candidates, Shortlist
 
-__all__ = ["RankContext", "alike", "shortlist"]
+__all__ = ["Known", "RankContext", "known_to", "shortlist"]
 
 
 def shortlist(config: FilterConfig, candidates: Candidates, context: RankContext) -> Shortlist:

@@ -6,9 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from backend.kinematics import Kinematics
-from backend.knowledge.motion_aware import PreparedGrasps
-from backend.knowledge.reachability import ReachabilityField
-from backend.pipeline.filter.variety import Alike
+from backend.pipeline.filter.known import Known
 from backend.pipeline.values import PlanarMotion
 from backend.pose import Array
 from backend.sim.planning_scene import PlanningScene
@@ -30,12 +28,7 @@ class RankContext:
     """Indices of grasps that were refused a moment ago, by a room or in rehearsal."""
     lift_m: float
     rng: np.random.Generator
-    alike: Alike
-    """Which grasps of the database are alike."""
-    reachability: ReachabilityField | None = None
-    """Loaded for the methods that rank with it."""
-    in_motion: PreparedGrasps | None = None
-    """The database's grasps, whose quality in motion is asked for; loaded for the methods that rank with it."""
+    known: Known
     motion: PlanarMotion | None = None
     """What the object is predicted to do during the approach."""
 

@@ -15,7 +15,7 @@ def shortlist_by_reachability(config: Reachability, candidates: Candidates, cont
     What is not reachable is out, with its distance including the hand's height as score; the grasp the arm is moving
     to comes first while it is reachable.
     """
-    field = context.reachability
+    field = context.known.reachability
     assert field is not None, "the cycle loads the field for methods that rank with it"
     n = len(candidates.quality)
     parts = field.parts(np.concatenate([candidates.Ts_world_pregrasp, candidates.Ts_world_grasp]))
@@ -25,13 +25,13 @@ def shortlist_by_reachability(config: Reachability, candidates: Candidates, cont
     out, put_off = worse <= 0.0, context.put_off
     out[list(put_off)] = True
     ranked = best_first(score, ~out, context.held)
-    kept, passed = varied(ranked, config.keep, context.alike if config.varied else None)
+    kept, passed = varied(ranked, config.keep, context.known.alike if config.varied else None)
 
     def why(i: int) -> str:
         if i in put_off:
             return PUT_OFF
         if i in passed:
-            return "reachable, but much like one further inside"
+            return "reachable, but much like one that is kept"
         return "reachable, but others lie further inside" if worse[i] > 0.0 else _beyond(distance[i], distance[n + i])
 
     rejected = Reasons([*np.flatnonzero(out).tolist(), *(i for i in ranked if i not in kept)], why)

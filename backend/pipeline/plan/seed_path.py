@@ -89,6 +89,8 @@ def reconnected(ends: Ends, chain: Array, count: CheckCount) -> Found | None:
 
 def without_repeats(waypoints: Array) -> Array:
     """The same path without waypoints that equal their predecessor; its ends stay exact."""
+    if len(waypoints) < 2:
+        return waypoints
     kept = _kept(np.ascontiguousarray(waypoints))
     return waypoints if len(kept) == len(waypoints) else waypoints[kept]
 
