@@ -76,7 +76,8 @@ class Judge:
         risen = z - self._grasp_z_m
         if risen < LIFTED_M:
             if self._highest_m - self._grasp_z_m >= AUTHORS_LIFTED_M:
-                return "dropped", f"The object was lifted and lost; it ended {risen * 100:.1f} cm up."
+                where = f"{abs(risen) * 100:.1f} cm {'above' if risen >= 0.0 else 'below'} where it was grasped"
+                return "dropped", f"The object was lifted and lost; it ended {where}."
             return "approach_missed", detail or "The hand closed, but the object did not come up with it."
         links, others = world.touching_object()
         if others or not links or not links <= self._hand_links:

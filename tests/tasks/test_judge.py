@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from backend.events import MoveObstacle
+from backend.events import MoveObstacle, SetBeltRate
 from backend.pose import Pose
 from backend.scenario import load_scenario, with_overrides
 from backend.sim.world import World
@@ -30,6 +30,19 @@ def test_an_untouched_object_on_a_rising_tray_passes_the_authors_rule_only():
         outcome = judge.verdict(world, None, "")
         assert outcome.authors and not outcome.strict
         assert outcome.reason == "dropped" and "not held by the hand alone" in outcome.detail
+
+
+def test_a_lost_object_ended_above_or_below_where_it_was_grasped():
+    with rising_tray() as world:
+        run(world, 2.0)
+        judge = Judge(world)
+        judge.note_grasp(world)
+        run(world, 2.0)
+        judge.note_height(world)
+        world.apply(SetBeltRate(rate=-2.0))
+        run(world, 4.0)
+        outcome = judge.verdict(world, None, "")
+        assert outcome.reason == "dropped" and "cm below where it was grasped" in outcome.detail
 
 
 def test_a_hand_that_closes_beside_the_object_has_missed():
