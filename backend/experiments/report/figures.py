@@ -38,15 +38,16 @@ def script() -> str:
 
 
 def figures(rows: Rows, linear: Rows, cells: Sequence[Cell]) -> list[Figure]:
-    """Success and time by task, success by distance, speed and object; reasons of failure; cycle times.
+    """Success and time by task; success by distance, speed and object; reasons of failure; cycle times.
 
-    One panel for each robot.
+    One panel for each robot. Distances are those of linear belts; where there are none, their figure is left out.
     """
     distance = "Success against distance of the belt from the base (linear motion)"
+    by_distance = [_shares(linear, linear.shares(distance_bin_m), distance, "m")] if linear.all else []
     return [
         _by_task(rows, cells, "Success", "success", lambda cell: cell.success, lambda paper: paper.success),
         _by_task(rows, cells, "Time until the approach", "s", lambda cell: cell.time_s, lambda paper: paper.time_s),
-        _shares(linear, linear.shares(distance_bin_m), distance, "m"),
+        *by_distance,
         _shares(rows, rows.shares(speed_bin_mps), "Success against speed of the belt", "m/s"),
         _shares(rows, rows.shares(lambda row: row.object), "Success by object", "", bars=True),
         _reasons(rows),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,22 @@ SIGNIFICANT = 0.05
 
 
 @dataclass(frozen=True)
+class Difference:
+    """Something measured under both methods: mean over the pairs of the first's value minus the second's."""
+
+    mean: Interval | None
+    p: float
+    """By a paired permutation test of that mean."""
+    p_holm: float = 1.0
+    """Corrected for all comparisons of the same kind."""
+
+    @property
+    def first_has_less(self) -> bool | None:
+        """None where chance may have made the difference, at the 5 % level."""
+        return None if self.mean is None or self.p_holm >= SIGNIFICANT else self.mean.value < 0.0
+
+
+@dataclass(frozen=True)
 class Comparison:
     """The reference method against another one, of one robot, in one task or in all."""
 
@@ -34,14 +50,11 @@ class Comparison:
     successes: Paired
     p_holm: float
     """Corrected for all comparisons of the same kind: those of single tasks, or those over all tasks."""
-    time_s: Interval | None
-    """Mean over the pairs of the first's time minus the second's."""
-    time_p: float
-    """By a paired permutation test of that mean."""
-    time_p_holm: float
-    """Corrected like ``p_holm``."""
+    time_s: Difference
     both_s: Interval | None
-    """The same where both succeeded."""
+    """Mean difference in time where both succeeded."""
+    way_rad: Difference
+    """Length in joint space of the way that the arm takes in a trial."""
 
     @property
     def verdict(self) -> str:
@@ -50,10 +63,11 @@ class Comparison:
         if self.p_holm < SIGNIFICANT:
             better = self.first if self.successes.difference > 0.0 else self.second
             said.setdefault(better, []).append("grasps more often")
-        if self.time_s is not None and self.time_p_holm < SIGNIFICANT:
-            better = self.first if self.time_s.value < 0.0 else self.second
-            said.setdefault(better, []).append("goes in sooner")
-        return ", ".join(f"{method} {' and '.join(how)}" for method, how in said.items()) or "no significant difference"
+        for difference, words in ((self.time_s, "goes in sooner"), (self.way_rad, "takes a shorter way")):
+            less = difference.first_has_less
+            if less is not None:
+                said.setdefault(self.first if less else self.second, []).append(words)
+        return ", ".join(f"{method} {_listed(how)}" for method, how in said.items()) or "no significant difference"
 
 
 def comparisons(rows: Rows, reference: str) -> list[Comparison]:
@@ -79,10 +93,16 @@ def odd_pairs(rows: Rows) -> int:
 
 def _corrected(found: Sequence[Comparison]) -> list[Comparison]:
     of_success = holm([comparison.successes.p for comparison in found])
-    of_time = holm([comparison.time_p for comparison in found])
+    of_time = holm([comparison.time_s.p for comparison in found])
+    of_way = holm([comparison.way_rad.p for comparison in found])
     return [
-        replace(comparison, p_holm=p_success, time_p_holm=p_time)
-        for comparison, p_success, p_time in zip(found, of_success, of_time, strict=True)
+        replace(
+            comparison,
+            p_holm=p_success,
+            time_s=replace(comparison.time_s, p_holm=p_time),
+            way_rad=replace(comparison.way_rad, p_holm=p_way),
+        )
+        for comparison, p_success, p_time, p_way in zip(found, of_success, of_time, of_way, strict=True)
     ]
 
 
@@ -93,7 +113,7 @@ def _compared(rows: Rows, robot: str, task: str | None, first: str, second: str)
     if first == second or not pairs:
         return None
     hits = np.array([[rows.success(row) for row in pair] for pair in pairs])
-    sooner_s = _time_differences(pairs)
+    both = [pair for pair, hit in zip(pairs, hits, strict=True) if hit.all()]
     return Comparison(
         robot=robot,
         task=task,
@@ -101,10 +121,9 @@ def _compared(rows: Rows, robot: str, task: str | None, first: str, second: str)
         second=second,
         successes=compare(hits[:, 0], hits[:, 1]),
         p_holm=1.0,
-        time_s=bootstrapped_mean(sooner_s),
-        time_p=p_of_no_difference(sooner_s),
-        time_p_holm=1.0,
-        both_s=bootstrapped_mean(_time_differences([p for p, hit in zip(pairs, hits, strict=True) if hit.all()])),
+        time_s=_difference(_differences(pairs, time_s)),
+        both_s=bootstrapped_mean(_differences(both, time_s)),
+        way_rad=_difference(_differences(pairs, lambda row: row.joint_path_rad)),
     )
 
 
@@ -116,6 +135,14 @@ def _trials(rows: Rows, robot: str, task: str | None, method: str) -> dict[tuple
     }
 
 
-def _time_differences(pairs: Sequence[tuple[GridRow, GridRow]]) -> Array:
-    times = [(time_s(first), time_s(second)) for first, second in pairs]
-    return np.array([a - b for a, b in times if a is not None and b is not None])
+def _difference(values: Array) -> Difference:
+    return Difference(bootstrapped_mean(values), p_of_no_difference(values))
+
+
+def _differences(pairs: Sequence[tuple[GridRow, GridRow]], of: Callable[[GridRow], float | None]) -> Array:
+    values = [(of(first), of(second)) for first, second in pairs]
+    return np.array([a - b for a, b in values if a is not None and b is not None])
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)

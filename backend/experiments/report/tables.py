@@ -65,13 +65,14 @@ def cells_table(cells: Sequence[Cell]) -> Table:
 def pairs_table(comparisons: Sequence[Comparison], *, single_tasks: bool) -> Table:
     """The reference method against the others, over all tasks or in each."""
     header = ["robot", "task", "methods", "pairs", "only first", "only second", "success difference", "p", "p (Holm)"]
-    header += ["time difference s", "time: p (Holm)", "where both succeeded s", "verdict"]
+    header += ["time difference s", "time: p (Holm)", "where both succeeded s"]
+    header += ["way difference rad", "way: p (Holm)", "verdict"]
     lines = [
         [
             *(c.robot, c.task or "all", f"{c.first} / {c.second}", str(c.successes.n)),
             *(str(c.successes.only_first), str(c.successes.only_second), _signed(c.successes.difference, 3)),
-            *(f"{c.successes.p:.2g}", f"{c.p_holm:.2g}", _with_interval(c.time_s), f"{c.time_p_holm:.2g}"),
-            *(_with_interval(c.both_s), c.verdict),
+            *(f"{c.successes.p:.2g}", f"{c.p_holm:.2g}", _with_interval(c.time_s.mean), f"{c.time_s.p_holm:.2g}"),
+            *(_with_interval(c.both_s), _with_interval(c.way_rad.mean), f"{c.way_rad.p_holm:.2g}", c.verdict),
         ]
         for c in comparisons
         if (c.task is not None) == single_tasks
@@ -79,16 +80,18 @@ def pairs_table(comparisons: Sequence[Comparison], *, single_tasks: bool) -> Tab
     where = "in each task" if single_tasks else "over all tasks"
     note = (
         "The same trials under both methods. Success: McNemar's exact test, two-sided, corrected by Holm for all lines "
-        "of this table. Time: first minus second, with bootstrapped 95 % intervals, and a paired permutation test "
-        "corrected likewise. The verdict says what is significant at the 5 % level."
+        "of this table. Time, and way (its length in joint space): first minus second, with bootstrapped 95 % "
+        "intervals, and a paired permutation test corrected likewise. The verdict says what is significant at 5 %."
     )
     return Table("pairs_by_task" if single_tasks else "pairs", f"Methods compared {where}", header, lines, note)
 
 
 def share_tables(rows: Rows, linear: Rows) -> list[Table]:
-    """Success by distance (linear motion, as in the paper's figure), speed and object."""
+    """Success by distance (of linear motion, if any, as in the paper's figure), speed and object."""
+    distance = "Success by distance of the belt from the base, m"
+    by_distance = [_shares("by_distance", distance, linear.shares(distance_bin_m), 3)] if linear.all else []
     return [
-        _shares("by_distance", "Success by distance of the belt from the base, m", linear.shares(distance_bin_m), 3),
+        *by_distance,
         _shares("by_speed", "Success by speed of the belt, m/s", rows.shares(speed_bin_mps), 3),
         _shares("by_object", "Success by object", rows.shares(lambda row: row.object), 0),
     ]

@@ -135,11 +135,23 @@ def test_methods_are_equally_good_but_not_equally_quick():
         replace(row, approach_start_s=(row.approach_start_s or 0.0) + 2.0 * (row.method == "baseline")) for row in rows
     ]
     over_all = comparisons(Rows(rows, "strict"), "ours_rm")[0]
-    assert over_all.time_p_holm == pytest.approx(2 * 0.5**12)
+    assert over_all.time_s.p_holm == pytest.approx(2 * 0.5**12)
     assert over_all.verdict == "ours_rm goes in sooner"
     assert comparisons(Rows(rows[:8] + rows[12:20], "strict"), "ours_rm")[0].verdict == "ours_rm goes in sooner"
     few = comparisons(Rows(rows[:3] + rows[12:15], "strict"), "ours_rm")[0]
     assert few.verdict == "no significant difference"
+
+
+def test_methods_are_equally_good_but_one_takes_the_shorter_way():
+    rows = rows_of({"ours_rm": [True] * 12, "no_seeding": [True] * 12})
+    ways_rad = {"ours_rm": 3.0, "no_seeding": 3.5}
+    rows = [replace(row, joint_path_rad=ways_rad[row.method]) for row in rows]
+    over_all = comparisons(Rows(rows, "strict"), "ours_rm")[0]
+    assert over_all.way_rad.mean is not None and over_all.way_rad.mean.value == pytest.approx(-0.5)
+    assert over_all.way_rad.p_holm == pytest.approx(2 * 0.5**12)
+    assert over_all.verdict == "ours_rm takes a shorter way"
+    unmoved = [replace(row, joint_path_rad=None) for row in rows]
+    assert comparisons(Rows(unmoved, "strict"), "ours_rm")[0].way_rad.mean is None
 
 
 def test_methods_are_compared_on_the_same_trials_only():
@@ -149,7 +161,7 @@ def test_methods_are_compared_on_the_same_trials_only():
     assert (over_all.successes.n, over_all.successes.only_first, over_all.successes.only_second) == (11, 10, 0)
     assert over_all.p_holm == pytest.approx(2 * 0.5**10)
     assert over_all.verdict == "ours_rm grasps more often and goes in sooner"
-    assert over_all.time_s is not None and over_all.time_s.value < 0.0 and over_all.both_s is None
+    assert over_all.time_s.mean is not None and over_all.time_s.mean.value < 0.0 and over_all.both_s is None
 
 
 def test_pairs_that_began_differently_are_counted():
@@ -187,3 +199,10 @@ def test_a_report_is_whole_and_opens_offline(tmp_path: Path):
     assert "12 of 12 trials" in files["report.md"]
     with pytest.raises(InvalidInputError, match="no rows yet"):
         report_of([], of, "strict")
+
+
+def test_a_grid_without_linear_belts_has_a_report_without_their_distances(tmp_path: Path):
+    of = plan(methods=("ours_rm",), trials=2)
+    rows = [replace(row, task="circular", speed_mps=0.05) for row in rows_of({"ours_rm": [True] * 2})]
+    names = {file.name for file in report_of(rows, of, "strict").write(tmp_path)}
+    assert "by_speed.csv" in names and "by_distance.csv" not in names
