@@ -41,6 +41,9 @@ PUT_OFF_S = 2.0
 PUT_OFF_M = 0.1
 """A grasp that is refused, by pick, in rehearsal or when going in, is not taken again for so long, or until the object
 has gone so far: what is refused in one place may do in another."""
+SURE_S = 3.0
+"""But the grasp that the arm moves to is not put off for what is rehearsed of a meeting further ahead than this: the
+prediction will have changed by then, and an arm that turns to another grasp each time gets to none."""
 
 
 class Pilot:
@@ -112,8 +115,10 @@ class Pilot:
         self._busy_until_s = result.effective_s
         if result.shortlist is not None:
             refused = set(result.shortlist.kept) & set(result.shortlist.rejected)
-            self._put_off(refused, t_s)
-            if result.picked is not None and result.picked.index not in refused | {start.trusted}:
+            going_to = None if result.picked is None else result.picked.index
+            far = result.prediction is not None and result.prediction.t_s[1] - t_s > SURE_S
+            self._put_off(refused - {going_to} if far else refused, t_s)
+            if going_to is not None and going_to not in refused | {start.trusted}:
                 self._trusted_until_s = t_s + TRUST_S
         self._got_to = max(self._got_to, _progress(result))
         if result.plan is not None and result.trajectory is not None and result.refused_by is None:

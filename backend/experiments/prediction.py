@@ -22,7 +22,7 @@ PREDICTORS = ("lstm", "kalman", "kalman_told", "constant_velocity", "last_pose")
 """``kalman_told`` is the Kalman filter that is told the noise, which no other is."""
 NOISES_M = (0.0, 0.002, 0.005)
 """Standard deviations of the position's noise, in each axis."""
-AHEAD_S = (0.5, 1.0, 2.0)
+AHEAD_S = (0.5, 1.0, 2.0, 4.0, 8.0)
 LOOK_EVERY_S = 0.05
 ASK_EVERY = 10
 FIRST_LOOKS = 20
@@ -54,7 +54,7 @@ class Errors:
     noise_m: float
     predictor: str
     off_m: Array
-    """(n, 3) distances from the truth, ``AHEAD_S`` ahead."""
+    """(n, 5) distances from the truth, ``AHEAD_S`` ahead."""
     median_predict_s: float
     """Wall time of one prediction."""
 

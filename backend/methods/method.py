@@ -203,7 +203,7 @@ class Method(Config):
 
     name: str
     title: str
-    predictor: PredictorConfig = Kalman()
+    predictor: PredictorConfig = Lstm()
     horizon: HorizonConfig = Intercept()
     filter: FilterConfig = IkFilter()
     planner: PlannerConfig = RrtConnect()

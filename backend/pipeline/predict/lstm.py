@@ -6,15 +6,20 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from backend.knowledge.predictor import PredictorWeights, load_weights
+from backend.methods.method import Kalman
 from backend.pipeline.predict.heading import measured, poses, tilt_of
+from backend.pipeline.predict.kalman import KalmanPredictor
 from backend.pipeline.predict.window import FEATURES, HORIZONS_S, MIN_BINS, WINDOW_S, normalised
 from backend.pipeline.values import Observation, Prediction
 from backend.pose import Array
 
 Floats = NDArray[np.float32]
 ROWS = 256
+BENDS = CubicSpline(HORIZONS_S, np.eye(len(HORIZONS_S)), bc_type="natural")(HORIZONS_S, 2)
+"""(horizons, horizons) a smooth curve's second derivatives at ``HORIZONS_S``, of each value there."""
 
 
 class Forward:
@@ -60,10 +65,12 @@ class Forward:
 
 
 class LstmPredictor:
-    """Keeps the observations of the last ``WINDOW_S``; with few of them, goes straight on along their line.
+    """Keeps the observations of the last ``WINDOW_S``; with too few of them for the network, a Kalman filter answers.
 
-    Up to 2 s ahead the states between the network's horizons are interpolated; beyond, they go on as between its
-    last two. Raises ``MissingResourceError`` or ``InvalidInputError`` when the weights are not there or not whole.
+    Between the network's horizons the states are on a smooth curve: an arm that follows it must not be asked to jump in
+    speed. Beyond, they go straight on.
+
+    Raises ``MissingResourceError`` or ``InvalidInputError`` when the weights are not there or not whole.
     """
 
     def __init__(self, path: Path | None = None) -> None:
@@ -71,10 +78,15 @@ class LstmPredictor:
         self._rows = np.empty((ROWS, 5))
         self._begin = self._end = 0
         self._tilt = np.eye(3)
+        self._at_first = KalmanPredictor(Kalman())
+        self._known: Array | None = None
+        """The network's answer to what is kept now; None until somebody asks."""
 
     def observe(self, observation: Observation) -> None:
         if observation.T_world_object is None:
             return
+        self._at_first.observe(observation)
+        self._known = None
         previous = float(self._rows[self._end - 1, 4]) if self._end else None
         if self._end == len(self._rows):
             self._make_room()
@@ -87,27 +99,26 @@ class LstmPredictor:
     def predict(self, t_s: Array) -> Prediction | None:
         if self._end == 0:
             return None
-        kept = self._rows[self._begin : self._end]
-        known = self._known(kept)
-        ahead = self._between(known, t_s - kept[-1, 0])
+        if self._known is None:
+            self._known = self._answer()
+        known = self._known
+        if known is None:
+            return self._at_first.predict(t_s)
+        ahead = between(known, t_s - self._rows[self._end - 1, 0])
         velocity = (known[1, :3] - known[0, :3]) / (HORIZONS_S[1] - HORIZONS_S[0])
         return Prediction(t_s, poses(ahead, self._tilt), np.zeros(len(t_s)), velocity)
 
-    def _known(self, kept: Array) -> Array:
-        """(horizons, 4) states at ``HORIZONS_S`` after the newest observation."""
-        seen = np.ones((1, len(kept)), dtype=np.bool_)
+    def _answer(self) -> Array | None:
+        """(horizons, 4) states at ``HORIZONS_S`` after the newest observation; None of too few observations."""
+        kept = self._rows[self._begin : self._end]
         newest_first = kept[None, ::-1]
+        seen = np.ones((1, len(kept)), dtype=np.bool_)
         windows = normalised(kept[-1, 0] - newest_first[..., 0], newest_first[..., 1:], seen)
         length = int(windows.lengths[0])
-        enough = length >= MIN_BINS and bool(windows.scale.any())
-        answer = self._network(windows.tokens[0, :length]) if enough else np.zeros((len(HORIZONS_S), 4))
+        if length < MIN_BINS:
+            return None
+        answer = self._network(windows.tokens[0, :length]) if windows.scale.any() else np.zeros((len(HORIZONS_S), 4))
         return windows.states(answer[None])[0]
-
-    def _between(self, known: Array, ahead_s: Array) -> Array:
-        """(n, 4) states ``ahead_s`` (n,) after the newest observation, on straight lines between the known ones."""
-        left = np.clip(np.searchsorted(HORIZONS_S, ahead_s) - 1, 0, len(HORIZONS_S) - 2)
-        share = (ahead_s - HORIZONS_S[left]) / (HORIZONS_S[left + 1] - HORIZONS_S[left])
-        return known[left] + share[:, None] * (known[left + 1] - known[left])
 
     def _make_room(self) -> None:
         """Move what is kept to the front; into a larger block when it fills most of this one."""
@@ -116,3 +127,20 @@ class LstmPredictor:
             self._rows = np.empty((2 * len(self._rows), 5))
         self._rows[: len(kept)] = kept
         self._begin, self._end = 0, len(kept)
+
+
+def between(known: Array, ahead_s: Array) -> Array:
+    """(n, 4) states ``ahead_s`` (n,) after the newest observation, from those ``known`` at ``HORIZONS_S``.
+
+    They are on the natural cubic spline; before the first and after the last known one it goes straight on.
+    """
+    inside = np.clip(ahead_s, HORIZONS_S[0], HORIZONS_S[-1])
+    left = np.clip(np.searchsorted(HORIZONS_S, inside) - 1, 0, len(HORIZONS_S) - 2)
+    width = (HORIZONS_S[left + 1] - HORIZONS_S[left])[:, None]
+    done = (inside - HORIZONS_S[left])[:, None] / width
+    rest = 1.0 - done
+    bends = BENDS @ known
+    at_left, at_right = (bends[k] * (width**2 / 6.0) for k in (left, left + 1))
+    states = rest * known[left] + done * known[left + 1] + (rest**3 - rest) * at_left + (done**3 - done) * at_right
+    slope = (known[left + 1] - known[left] - (3 * rest**2 - 1) * at_left + (3 * done**2 - 1) * at_right) / width
+    return states + (ahead_s - inside)[:, None] * slope

@@ -20,8 +20,8 @@ Bools = NDArray[np.bool_]
 BINS_S = np.cumsum([0.1, 0.1, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.8, 1.0])
 """Ages at which the bins end, newest first: fine where the motion is fresh, coarse where averaging helps."""
 WINDOW_S = float(BINS_S[-1])
-HORIZONS_S = np.linspace(0.0, 2.0, 9)
-"""For which the network answers; in between it is interpolated."""
+HORIZONS_S = np.concatenate([np.linspace(0.0, 2.0, 9), [3.0, 4.0, 6.0, 8.0, 10.0, 12.0]])
+"""For which the network answers: so far ahead looks an arm that meets the object in 8 s, and then goes in and lifts."""
 MEMORY_S = 1.5
 """Weights of the straight line fall by e over this age."""
 MIN_BINS = 4
