@@ -173,7 +173,8 @@ def test_the_method_panel_follows_the_kind_that_is_set(server: viser.ViserServer
         folder: Any = panel._folders["predictor"]  # pyright: ignore[reportPrivateUsage]
         return [widget.label for widget in folder._widgets]
 
-    assert labels() == ["Acceleration std, cm/s²", "Measurement std, cm"]
+    assert labels() == []
+    assert labels(method__predictor__kind="kalman") == ["Acceleration std, cm/s²", "Measurement std, cm"]
     assert labels(method__predictor__kind="constant_velocity") == ["Window, s"]
     assert labels(method__predictor__kind="lstm") == []
 

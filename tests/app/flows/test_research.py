@@ -65,6 +65,7 @@ def test_a_part_of_the_method_is_switched_alone_and_its_own_settings_come(served
     tab(page, "Method")
     choose(page, "Predictor", "constant_velocity")
     wait_for(served, lambda s: s["overrides"] == {"method.predictor.kind": "constant_velocity"} and not s["loading"])
+    expect(page.get_by_text("Predictor", exact=True)).to_have_count(2)
     page.get_by_text("Predictor", exact=True).last.click()
     expect(page.get_by_label("Window, s")).to_have_value("0.5")
     page.get_by_label("Window, s").fill("99")
