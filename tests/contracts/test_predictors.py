@@ -7,7 +7,7 @@ from scipy.interpolate import CubicSpline
 from backend.methods.method import ConstantVelocity, Kalman, LastPose, Lstm, Oracle, PredictorConfig
 from backend.motions import CircularMotion, LinearMotion
 from backend.pipeline.predict import Predictor, make_predictor
-from backend.pipeline.predict.lstm import between
+from backend.pipeline.predict.lstm import along, curve
 from backend.pipeline.predict.window import HORIZONS_S
 from backend.pipeline.values import Observation
 from backend.pose import Pose
@@ -145,9 +145,10 @@ def test_the_curve_between_horizons_is_scipys_natural_spline():
     known = np.random.default_rng(0).normal(size=(len(HORIZONS_S), 4))
     spline = CubicSpline(HORIZONS_S, known, bc_type="natural")
     ahead_s = np.linspace(HORIZONS_S[0], HORIZONS_S[-1], 301)
-    np.testing.assert_allclose(between(known, ahead_s), spline(ahead_s), atol=1e-12)
-    after = known[-1] + 3.0 * spline(HORIZONS_S[-1], 1)
-    np.testing.assert_allclose(between(known, HORIZONS_S[-1:] + 3.0), [after], atol=1e-12)
+    np.testing.assert_allclose(along(curve(known), ahead_s), spline(ahead_s), atol=1e-12)
+    before, after = known[0] - 0.5 * spline(HORIZONS_S[0], 1), known[-1] + 3.0 * spline(HORIZONS_S[-1], 1)
+    outside_s = np.array([HORIZONS_S[0] - 0.5, HORIZONS_S[-1] + 3.0])
+    np.testing.assert_allclose(along(curve(known), outside_s), [before, after], atol=1e-12)
 
 
 def test_before_the_network_has_seen_enough_a_filter_answers():

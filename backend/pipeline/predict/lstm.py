@@ -18,8 +18,8 @@ from backend.pose import Array
 
 Floats = NDArray[np.float32]
 ROWS = 256
-BENDS = CubicSpline(HORIZONS_S, np.eye(len(HORIZONS_S)), bc_type="natural")(HORIZONS_S, 2)
-"""(horizons, horizons) a smooth curve's second derivatives at ``HORIZONS_S``, of each value there."""
+PIECE_FROM_S = HORIZONS_S[[0, *range(len(HORIZONS_S))]]
+"""(pieces,) of the curve through the network's answers: before the first horizon, between two, and after the last."""
 
 
 class Forward:
@@ -79,14 +79,14 @@ class LstmPredictor:
         self._begin = self._end = 0
         self._tilt = np.eye(3)
         self._at_first = KalmanPredictor(Kalman())
-        self._known: Array | None = None
-        """The network's answer to what is kept now; None until somebody asks."""
+        self._curve: Array | None = None
+        """Through the network's answers to what is kept now; None until somebody asks."""
 
     def observe(self, observation: Observation) -> None:
         if observation.T_world_object is None:
             return
         self._at_first.observe(observation)
-        self._known = None
+        self._curve = None
         previous = float(self._rows[self._end - 1, 4]) if self._end else None
         if self._end == len(self._rows):
             self._make_room()
@@ -99,14 +99,13 @@ class LstmPredictor:
     def predict(self, t_s: Array) -> Prediction | None:
         if self._end == 0:
             return None
-        if self._known is None:
-            self._known = self._answer()
-        known = self._known
-        if known is None:
-            return self._at_first.predict(t_s)
-        ahead = between(known, t_s - self._rows[self._end - 1, 0])
-        velocity = (known[1, :3] - known[0, :3]) / (HORIZONS_S[1] - HORIZONS_S[0])
-        return Prediction(t_s, poses(ahead, self._tilt), np.zeros(len(t_s)), velocity)
+        if self._curve is None:
+            known = self._answer()
+            if known is None:
+                return self._at_first.predict(t_s)
+            self._curve = curve(known)
+        states = along(self._curve, t_s - self._rows[self._end - 1, 0])
+        return Prediction(t_s, poses(states, self._tilt), np.zeros(len(t_s)), self._curve[0, 1, :3])
 
     def _answer(self) -> Array | None:
         """(horizons, 4) states at ``HORIZONS_S`` after the newest observation; None of too few observations."""
@@ -129,18 +128,26 @@ class LstmPredictor:
         self._begin, self._end = 0, len(kept)
 
 
-def between(known: Array, ahead_s: Array) -> Array:
-    """(n, 4) states ``ahead_s`` (n,) after the newest observation, from those ``known`` at ``HORIZONS_S``.
+def _pieces() -> Array:
+    """(pieces, 4, horizons) powers 0 to 3 of each piece, per value at ``HORIZONS_S``: natural cubic, ends straight on."""
+    spline = CubicSpline(HORIZONS_S, np.eye(len(HORIZONS_S)), bc_type="natural")
+    pieces = np.zeros((len(PIECE_FROM_S), 4, len(HORIZONS_S)))
+    pieces[1:-1] = spline.c[::-1].transpose(1, 0, 2)
+    for end in (0, -1):
+        pieces[end, :2] = spline(HORIZONS_S[end]), spline(HORIZONS_S[end], 1)
+    return pieces
 
-    They are on the natural cubic spline; before the first and after the last known one it goes straight on.
-    """
-    inside = np.clip(ahead_s, HORIZONS_S[0], HORIZONS_S[-1])
-    left = np.clip(np.searchsorted(HORIZONS_S, inside) - 1, 0, len(HORIZONS_S) - 2)
-    width = (HORIZONS_S[left + 1] - HORIZONS_S[left])[:, None]
-    done = (inside - HORIZONS_S[left])[:, None] / width
-    rest = 1.0 - done
-    bends = BENDS @ known
-    at_left, at_right = (bends[k] * (width**2 / 6.0) for k in (left, left + 1))
-    states = rest * known[left] + done * known[left + 1] + (rest**3 - rest) * at_left + (done**3 - done) * at_right
-    slope = (known[left + 1] - known[left] - (3 * rest**2 - 1) * at_left + (3 * done**2 - 1) * at_right) / width
-    return states + (ahead_s - inside)[:, None] * slope
+
+PIECES = _pieces()
+
+
+def curve(known: Array) -> Array:
+    """(pieces, 4, 4) powers 0 to 3 of each piece of the smooth curve through states ``known`` at ``HORIZONS_S``."""
+    return (PIECES.reshape(-1, len(HORIZONS_S)) @ known).reshape(-1, 4, known.shape[1])
+
+
+def along(powers: Array, ahead_s: Array) -> Array:
+    """(n, 4) states ``ahead_s`` (n,) after the newest observation, on a ``curve`` (pieces, 4, 4)."""
+    piece = np.searchsorted(HORIZONS_S, ahead_s)
+    powers, since_s = powers[piece], (ahead_s - PIECE_FROM_S[piece])[:, None]
+    return ((powers[:, 3] * since_s + powers[:, 2]) * since_s + powers[:, 1]) * since_s + powers[:, 0]
