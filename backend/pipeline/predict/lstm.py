@@ -129,7 +129,7 @@ class LstmPredictor:
 
 
 def _pieces() -> Array:
-    """(pieces, 4, horizons) powers 0 to 3 of each piece, per value at ``HORIZONS_S``: natural cubic, ends straight on."""
+    """(pieces, 4, horizons) powers 0 to 3 of each piece, per value at ``HORIZONS_S``; the ends go straight on."""
     spline = CubicSpline(HORIZONS_S, np.eye(len(HORIZONS_S)), bc_type="natural")
     pieces = np.zeros((len(PIECE_FROM_S), 4, len(HORIZONS_S)))
     pieces[1:-1] = spline.c[::-1].transpose(1, 0, 2)
