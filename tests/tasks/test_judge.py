@@ -32,7 +32,7 @@ def test_an_untouched_object_on_a_rising_tray_passes_the_authors_rule_only():
         assert outcome.reason == "dropped" and "not held by the hand alone" in outcome.detail
 
 
-def test_a_lost_object_ended_above_or_below_where_it_was_grasped():
+def test_a_lost_object_is_said_to_have_ended_below_its_grasp_when_it_did():
     with rising_tray() as world:
         run(world, 2.0)
         judge = Judge(world)
