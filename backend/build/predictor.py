@@ -1,4 +1,4 @@
-"""Trains the paper's network of motion prediction: LSTM(100), 2 x Dense(100), Dense(horizons x 4)."""
+"""Trains the network of motion prediction, and then what says how far off it may be."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from backend.build.predictor_network import HIDDEN, Network, exported
+from backend.build.predictor_spread import SpreadSettings, learn_spread
 from backend.build.sequences import Sequences, SequenceSettings, draw_sequences
 from backend.files import replacing
 from backend.knowledge.predictor import PredictorWeights
 from backend.pipeline.predict.window import BINS_S, FEATURES, HORIZONS_S, MIN_BINS, Windows, normalised
 
 OnProgress = Callable[[str], None]
-HIDDEN = 100
 TRAINING, VALIDATION = 0, 1
 
 
@@ -41,24 +42,7 @@ class PredictorSettings:
     checkpoint_every: int = 250
     report_every: int = 250
     sequences: SequenceSettings = field(default_factory=SequenceSettings)
-
-
-class Network(nn.Module):
-    """Answers (b, horizons, 4) to tokens (b, bins, FEATURES) of which the first ``lengths`` (b,) are real."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.lstm = nn.LSTM(FEATURES, HIDDEN, batch_first=True)
-        self.dense = nn.ModuleList(
-            [nn.Linear(HIDDEN, HIDDEN), nn.Linear(HIDDEN, HIDDEN), nn.Linear(HIDDEN, 4 * len(HORIZONS_S))]
-        )
-
-    def forward(self, tokens: Tensor, lengths: Tensor) -> Tensor:
-        out: Tensor = self.lstm(tokens)[0]
-        x = out[torch.arange(len(out)), lengths - 1]
-        for layer in self.dense[:-1]:
-            x = torch.relu(layer(x))
-        return self.dense[-1](x).view(-1, len(HORIZONS_S), 4)
+    spread: SpreadSettings = field(default_factory=SpreadSettings)
 
 
 @dataclass(eq=False)
@@ -91,6 +75,8 @@ def build_predictor(
         if run.step % settings.report_every == 0:
             on_progress(f"step {run.step} of {settings.steps}, loss {np.mean(losses):.4f}")
             losses = []
+    on_progress("learning how far off it may be")
+    spread, within = learn_spread(run.mean, seed, settings.spread)
     facts = {
         "seed": seed,
         "settings": asdict(settings),
@@ -98,21 +84,9 @@ def build_predictor(
         "torch": version("torch"),
         "numpy": version("numpy"),
         "validation": _measured(run.mean, validation),
+        "spread": within,
     }
-    return exported(run.mean, facts)
-
-
-def exported(network: Network, facts: dict[str, Any]) -> PredictorWeights:
-    """The network's weights as plain arrays."""
-
-    plain = {name: tensor.numpy().copy() for name, tensor in network.state_dict().items()}
-    return PredictorWeights(
-        lstm_in=plain["lstm.weight_ih_l0"],
-        lstm_hidden=plain["lstm.weight_hh_l0"],
-        lstm_bias=plain["lstm.bias_ih_l0"] + plain["lstm.bias_hh_l0"],
-        dense=tuple((plain[f"dense.{k}.weight"], plain[f"dense.{k}.bias"]) for k in range(3)),
-        facts=facts,
-    )
+    return exported(run.mean, spread, facts)
 
 
 def _begin(seed: int, settings: PredictorSettings) -> _Run:

@@ -20,6 +20,10 @@ from backend.tasks.belt import DrawnBelt, between
 
 PREDICTORS = ("lstm", "kalman", "kalman_told", "constant_velocity", "last_pose")
 """``kalman_told`` is the Kalman filter that is told the noise, which no other is."""
+UNSURE = ("lstm", "kalman", "kalman_told")
+"""Those that say how far off they may be."""
+EXACT_M = 1e-6
+"""Who is off by less is always within what was said."""
 NOISES_M = (0.0, 0.002, 0.005)
 """Standard deviations of the position's noise, in each axis."""
 AHEAD_S = (0.5, 1.0, 2.0, 4.0, 8.0)
@@ -55,11 +59,14 @@ class Errors:
     predictor: str
     off_m: Array
     """(n, 5) distances from the truth, ``AHEAD_S`` ahead."""
+    two_sigma_m: Array
+    """(n, 5) twice the standard deviation that was claimed."""
     median_predict_s: float
     """Wall time of one prediction."""
 
     def as_dict(self) -> dict[str, object]:
-        """Millimetres, as lists over ``AHEAD_S``."""
+        """Millimetres, and shares within two standard deviations, as lists over ``AHEAD_S``."""
+        within = (self.off_m <= self.two_sigma_m + EXACT_M).mean(axis=0).round(4).tolist()
         return {
             "family": self.family,
             "of_the_tasks": self.of_the_tasks,
@@ -68,6 +75,7 @@ class Errors:
             "predictions": len(self.off_m),
             "mean_mm": (1e3 * self.off_m.mean(axis=0)).round(3).tolist(),
             "p95_mm": (1e3 * np.percentile(self.off_m, 95, axis=0)).round(3).tolist(),
+            "within_two_sigma": within if self.predictor in UNSURE else None,
             "median_predict_ms": round(1e3 * self.median_predict_s, 4),
         }
 
@@ -96,8 +104,9 @@ def measure(motions: int, seed: int, only: Sequence[str] | None = None) -> Itera
         drawn = [_drawn(family, noise_m, [seed, index, k, level]) for k in range(motions)]
         for name in PREDICTORS:
             runs = [_run(make_predictor(_config(name, noise_m), _forbidden), *trial) for trial in drawn]
-            off_m, took_s = (np.concatenate(parts) for parts in zip(*runs, strict=True))
-            yield Errors(family.name, family.of_the_tasks, noise_m, name, off_m, float(np.median(took_s)))
+            off_m, two_sigma_m, took_s = (np.concatenate(parts) for parts in zip(*runs, strict=True))
+            median_s = float(np.median(took_s))
+            yield Errors(family.name, family.of_the_tasks, noise_m, name, off_m, two_sigma_m, median_s)
 
 
 def _config(name: str, noise_m: float) -> PredictorConfig:
@@ -119,10 +128,11 @@ def _drawn(family: Family, noise_m: float, seed: list[int]) -> tuple[Way, Array,
     return way, t_s, way(t_s) + noise_m * noise
 
 
-def _run(predictor: Predictor, way: Way, t_s: Array, seen_m: Array) -> tuple[Array, Array]:
-    """(n, 3) errors in metres and (n,) wall times of the predictions."""
+def _run(predictor: Predictor, way: Way, t_s: Array, seen_m: Array) -> tuple[Array, Array, Array]:
+    """(n, 5) errors and twice the claimed standard deviations, in metres, and (n,) wall times of the predictions."""
     ahead = np.array(AHEAD_S)
     off: list[Array] = []
+    claimed: list[Array] = []
     took: list[float] = []
     for k, (now, xyz) in enumerate(zip(t_s.tolist(), seen_m, strict=True)):
         predictor.observe(Observation(now, np.zeros(6), np.zeros(6), Pose.from_xyz_yaw(xyz, 0.3)))
@@ -132,7 +142,8 @@ def _run(predictor: Predictor, way: Way, t_s: Array, seen_m: Array) -> tuple[Arr
             took.append(time.perf_counter() - begun_s)
             assert prediction is not None
             off.append(np.linalg.norm(prediction.Ts_world_object[:, :3, 3] - way(now + ahead), axis=1))
-    return np.array(off), np.array(took)
+            claimed.append(2.0 * prediction.position_std_m)
+    return np.array(off), np.array(claimed), np.array(took)
 
 
 def _of_scenario(name: str) -> Callable[[np.random.Generator], tuple[Way, float]]:

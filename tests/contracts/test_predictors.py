@@ -173,10 +173,12 @@ def test_one_detection_is_enough_to_stay(config: PredictorConfig):
     np.testing.assert_allclose(prediction.Ts_world_object, [LINE.pose_at(0.0).matrix] * 2, atol=1e-12)
 
 
-def test_kalman_knows_less_the_further_it_looks():
-    prediction = watched(Kalman(), LINE, 1.0).predict(np.array([1.0, 2.0, 3.0]))
+@pytest.mark.parametrize("config", [Kalman(), Lstm()], ids=lambda c: c.kind)
+def test_the_further_ahead_the_less_is_known(config: PredictorConfig):
+    prediction = watched(config, BEND, 3.0).predict(np.array([3.0, 5.0, 7.0, 11.0]))
     assert prediction is not None
-    assert (np.diff(prediction.position_std_m) > 0).all()
+    assert prediction.position_std_m[0] > 0.0
+    assert (np.diff(prediction.position_std_m) > 0.0).all()
 
 
 def test_the_oracle_says_the_truth():

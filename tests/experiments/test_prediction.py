@@ -37,13 +37,20 @@ def test_learning_pays_under_noise():
     assert off_m["lstm"] < 0.7 * min(off_m["kalman"], off_m["constant_velocity"])
 
 
+def test_the_learned_predictor_knows_how_far_off_it_is_and_a_filter_not_told_the_noise_does_not():
+    rows = {row.predictor: row.as_dict() for row in measure(3, 1, ["mico_circular"]) if row.noise_m == 0.005}
+    within = {name: np.array(row["within_two_sigma"], dtype=np.float64) for name, row in rows.items()}
+    assert (within["lstm"] >= 0.9).all() and (within["kalman"] < 0.9).all()
+    assert rows["last_pose"]["within_two_sigma"] is None
+
+
 def test_the_report_is_one_object_or_tables(capsys: pytest.CaptureFixture[str]):
     assert main(["report", "prediction", "--motions", "1", "--families", "figure_eight", "--json"]) == 0
     rows = json.loads(capsys.readouterr().out)["errors"]
     assert len(rows) == 3 * len(PREDICTORS)
     assert main(["report", "prediction", "--motions", "1", "--families", "figure_eight"]) == 0
     table = capsys.readouterr().out
-    assert table.count("figure_eight") == 3 and "tasks" not in table
+    assert table.count("figure_eight") == 6 and "tasks" not in table
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from backend.knowledge.predictor import PredictorWeights, load_weights
+from backend.knowledge.predictor import Floats, Layer, PredictorWeights, load_weights
 from backend.methods.method import Kalman
 from backend.pipeline.predict.heading import measured, poses, tilt_of
 from backend.pipeline.predict.kalman import KalmanPredictor
@@ -16,7 +15,6 @@ from backend.pipeline.predict.window import FEATURES, HORIZONS_S, MIN_BINS, WIND
 from backend.pipeline.values import Observation, Prediction
 from backend.pose import Array
 
-Floats = NDArray[np.float32]
 ROWS = 256
 PIECE_FROM_S = HORIZONS_S[[0, *range(len(HORIZONS_S))]]
 """(pieces,) of the curve through the network's answers: before the first horizon, between two, and after the last."""
@@ -35,9 +33,10 @@ class Forward:
         self._bias = weights.lstm_bias[order] * halved[:, 0]
         self._recurrent = np.ascontiguousarray(weights.lstm_hidden[order] * halved)
         self._dense = weights.dense
+        self._spread = weights.spread
 
-    def __call__(self, tokens: Floats) -> Array:
-        """(horizons, 4) answer to tokens (n, FEATURES).
+    def __call__(self, tokens: Floats) -> tuple[Array, Array]:
+        """The answer (horizons, 4) to tokens (n, FEATURES), and the log of how far off it may be (horizons,).
 
         The sigmoids are taken as 1/2 + 1/2 tanh(x / 2), so that one call serves all four gates.
         """
@@ -58,29 +57,37 @@ class Forward:
             np.add(c, new, out=c)
             np.tanh(c, out=h)
             np.multiply(h, shown, out=h)
-        for weight, bias in self._dense[:-1]:
-            h = np.maximum(weight @ h + bias, 0.0)
-        weight, bias = self._dense[-1]
-        return (weight @ h + bias).reshape(-1, 4).astype(np.float64)
+        answer, spread = _through(self._dense, h), _through(self._spread, h)
+        return answer.reshape(-1, 4).astype(np.float64), spread.astype(np.float64)
+
+
+def _through(layers: tuple[Layer, ...], x: Floats) -> Floats:
+    """What fully connected layers make of ``x``, with a ReLU after each but the last."""
+    for weight, bias in layers[:-1]:
+        x = np.maximum(weight @ x + bias, 0.0)
+    weight, bias = layers[-1]
+    return weight @ x + bias
 
 
 class LstmPredictor:
     """Keeps the observations of the last ``WINDOW_S``; with too few of them for the network, a Kalman filter answers.
 
     Between the network's horizons the states are on a smooth curve: an arm that follows it must not be asked to jump in
-    speed. Beyond, they go straight on.
+    speed. Beyond, they go straight on. Two standard deviations are the distance that one position in twenty is learnt
+    to be off by.
 
     Raises ``MissingResourceError`` or ``InvalidInputError`` when the weights are not there or not whole.
     """
 
     def __init__(self, path: Path | None = None) -> None:
-        self._network = Forward(load_weights(FEATURES, 4 * len(HORIZONS_S), path))
+        self._network = Forward(load_weights(FEATURES, len(HORIZONS_S), path))
         self._rows = np.empty((ROWS, 5))
         self._begin = self._end = 0
         self._tilt = np.eye(3)
         self._at_first = KalmanPredictor(Kalman())
         self._curve: Array | None = None
         """Through the network's answers to what is kept now; None until somebody asks."""
+        self._std_m = np.zeros(len(HORIZONS_S))
 
     def observe(self, observation: Observation) -> None:
         if observation.T_world_object is None:
@@ -103,12 +110,14 @@ class LstmPredictor:
             known = self._answer()
             if known is None:
                 return self._at_first.predict(t_s)
-            self._curve = curve(known)
-        states = along(self._curve, t_s - self._rows[self._end - 1, 0])
-        return Prediction(t_s, poses(states, self._tilt), np.zeros(len(t_s)), self._curve[0, 1, :3])
+            self._curve, self._std_m = curve(known[0]), known[1]
+        ahead_s = t_s - self._rows[self._end - 1, 0]
+        std_m = np.interp(ahead_s, HORIZONS_S, self._std_m)
+        return Prediction(t_s, poses(along(self._curve, ahead_s), self._tilt), std_m, self._curve[0, 1, :3])
 
-    def _answer(self) -> Array | None:
-        """(horizons, 4) states at ``HORIZONS_S`` after the newest observation; None of too few observations."""
+    def _answer(self) -> tuple[Array, Array] | None:
+        """States (horizons, 4) at ``HORIZONS_S`` after the newest observation and their standard deviations
+        (horizons,) in metres; None of too few observations."""
         kept = self._rows[self._begin : self._end]
         newest_first = kept[None, ::-1]
         seen = np.ones((1, len(kept)), dtype=np.bool_)
@@ -116,8 +125,10 @@ class LstmPredictor:
         length = int(windows.lengths[0])
         if length < MIN_BINS:
             return None
-        answer = self._network(windows.tokens[0, :length]) if windows.scale.any() else np.zeros((len(HORIZONS_S), 4))
-        return windows.states(answer[None])[0]
+        if not windows.scale.any():
+            return windows.states(np.zeros((1, len(HORIZONS_S), 4)))[0], np.zeros(len(HORIZONS_S))
+        answer, spread = self._network(windows.tokens[0, :length])
+        return windows.states(answer[None])[0], 0.5 * windows.reach_m(spread[None])[0]
 
     def _make_room(self) -> None:
         """Move what is kept to the front; into a larger block when it fills most of this one."""

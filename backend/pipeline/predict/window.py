@@ -53,6 +53,11 @@ class Windows:
         """(b, horizons, 4) metres and radians off the line."""
         return (answer * self.scale) @ self.turn.transpose(0, 2, 1)
 
+    def reach_m(self, spread: Array) -> Array:
+        """(b, horizons) metres that positions may be off by, of their logs in units of the answer; never less further
+        ahead."""
+        return np.maximum.accumulate(np.exp(spread) * self.scale[..., 0], axis=1)
+
 
 def normalised(age_s: Array, states: Array, seen: Bools) -> Windows:
     """Windows of observations ``age_s`` (b, n) before the newest, where ``seen``; ``states`` are (b, n, 4).
