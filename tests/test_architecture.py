@@ -9,9 +9,10 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 ROOMS = ("sense", "predict", "convert", "filter", "pick", "plan", "retime", "execute")
+TRAINING = ("motion_aware", "predictor", "predictor_network", "predictor_spread")
 HEAVY = {
     "coacd": {"backend/build/convex_parts.py"},
-    "torch": {"backend/build/motion_aware.py", "backend/build/predictor.py"},
+    "torch": {f"backend/build/{what}.py" for what in TRAINING},
     "ompl": {f"backend/pipeline/plan/ompl_{what}.py" for what in ("roadmap", "space", "tree")},
     "toppra": {"backend/pipeline/retime/toppra_pass.py"},
     "ray": {"backend/experiments/executors/ray.py"},

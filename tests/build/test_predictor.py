@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backend.build.predictor_spread import SpreadSettings
 from backend.build.sequences import LOOKS, SequenceSettings, draw_sequences
 from backend.errors import InvalidInputError, MissingResourceError
 from backend.knowledge.predictor import load_weights, predictor_file, save_weights
@@ -15,7 +14,6 @@ from backend.pipeline.predict.window import FEATURES, HORIZONS_S, MIN_BINS, Wind
 from backend.pose import Array
 
 HORIZONS = len(HORIZONS_S)
-BRIEF = SpreadSettings(steps=3, batch=16, validation=20)
 
 
 def windows_of(states: Array) -> Windows:
@@ -60,9 +58,10 @@ def test_one_position_in_twenty_is_off_by_more_than_two_standard_deviations(nois
 
 
 def test_a_killed_training_ends_as_one_that_was_not(tmp_path: Path):
-    from backend.build.predictor import PredictorSettings, build_predictor
+    from backend.build.predictor import PredictorSettings, SpreadSettings, build_predictor
 
-    settings = PredictorSettings(steps=6, batch=16, validation=20, checkpoint_every=2, report_every=3, spread=BRIEF)
+    brief = SpreadSettings(steps=3, batch=16, validation=20)
+    settings = PredictorSettings(steps=6, batch=16, validation=20, checkpoint_every=2, report_every=3, spread=brief)
     told: list[str] = []
 
     def killed(text: str) -> None:
@@ -84,9 +83,10 @@ def test_a_killed_training_ends_as_one_that_was_not(tmp_path: Path):
 
 
 def test_a_checkpoint_of_another_training_is_left_alone(tmp_path: Path):
-    from backend.build.predictor import PredictorSettings, build_predictor
+    from backend.build.predictor import PredictorSettings, SpreadSettings, build_predictor
 
-    settings = PredictorSettings(steps=2, batch=16, validation=20, spread=BRIEF)
+    brief = SpreadSettings(steps=3, batch=16, validation=20)
+    settings = PredictorSettings(steps=2, batch=16, validation=20, spread=brief)
     told: list[str] = []
     build_predictor(5, tmp_path / "a.pt", told.append, settings)
     build_predictor(6, tmp_path / "a.pt", told.append, settings)
