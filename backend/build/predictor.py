@@ -76,7 +76,7 @@ def build_predictor(
             on_progress(f"step {run.step} of {settings.steps}, loss {np.mean(losses):.4f}")
             losses = []
     on_progress("learning how far off it may be")
-    spread, within = learn_spread(run.mean, seed, settings.spread)
+    spread, within = learn_spread(run.mean, seed, settings.spread, settings.sequences)
     facts = {
         "seed": seed,
         "settings": asdict(settings),

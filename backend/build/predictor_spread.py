@@ -7,7 +7,7 @@ network's answer, so that a micrometre on a clean belt counts like a decimetre u
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -27,17 +27,18 @@ TRAINING, VALIDATION = 2, 3
 
 @dataclass(frozen=True)
 class SpreadSettings:
-    """How much training, and on what."""
+    """How much training; on sequences like the network's own."""
 
     steps: int = 4000
     batch: int = 320
     rate: float = 2e-3
     """Adam's, falling to zero along half a cosine."""
     validation: int = 4000
-    sequences: SequenceSettings = field(default_factory=SequenceSettings)
 
 
-def learn_spread(network: Network, seed: int, settings: SpreadSettings) -> tuple[Spread, dict[str, Any]]:
+def learn_spread(
+    network: Network, seed: int, settings: SpreadSettings, sequences: SequenceSettings
+) -> tuple[Spread, dict[str, Any]]:
     """Layers for ``network``, and how often they are right on sequences never learnt from.
 
     Same arguments, same weights on the same machine. The network's two biases become one.
@@ -50,14 +51,14 @@ def learn_spread(network: Network, seed: int, settings: SpreadSettings) -> tuple
     for step in range(settings.steps):
         for group in optimizer.param_groups:
             group["lr"] = settings.rate * 0.5 * (1.0 + math.cos(math.pi * step / settings.steps))
-        drawn = draw_sequences(settings.batch, np.random.default_rng([seed, TRAINING, step]), settings.sequences)
+        drawn = draw_sequences(settings.batch, np.random.default_rng([seed, TRAINING, step]), sequences)
         remembered, off = _off(network, drawn)
         above = torch.from_numpy(np.log(np.maximum(off, LEAST)).astype(np.float32)) - spread(remembered)
         loss = torch.maximum(QUANTILE * above, (QUANTILE - 1.0) * above).mean()
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
-    drawn = draw_sequences(settings.validation, np.random.default_rng([seed, VALIDATION]), settings.sequences)
+    drawn = draw_sequences(settings.validation, np.random.default_rng([seed, VALIDATION]), sequences)
     return spread, {"within": _within(network, spread, drawn).round(4).tolist(), "horizons_s": HORIZONS_S.tolist()}
 
 

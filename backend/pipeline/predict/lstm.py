@@ -74,7 +74,7 @@ class LstmPredictor:
 
     Between the network's horizons the states are on a smooth curve: an arm that follows it must not be asked to jump in
     speed. Beyond, they go straight on. Two standard deviations are the distance that one position in twenty is learnt
-    to be off by.
+    to be off by; beyond the last horizon they grow no more.
 
     Raises ``MissingResourceError`` or ``InvalidInputError`` when the weights are not there or not whole.
     """
@@ -85,15 +85,15 @@ class LstmPredictor:
         self._begin = self._end = 0
         self._tilt = np.eye(3)
         self._at_first = KalmanPredictor(Kalman())
-        self._curve: Array | None = None
-        """Through the network's answers to what is kept now; None until somebody asks."""
-        self._std_m = np.zeros(len(HORIZONS_S))
+        self._known: tuple[Array, Array] | None = None
+        """The curve through the network's answers to what is kept now, and their standard deviations (horizons,) in
+        metres; None until somebody asks."""
 
     def observe(self, observation: Observation) -> None:
         if observation.T_world_object is None:
             return
         self._at_first.observe(observation)
-        self._curve = None
+        self._known = None
         previous = float(self._rows[self._end - 1, 4]) if self._end else None
         if self._end == len(self._rows):
             self._make_room()
@@ -106,14 +106,15 @@ class LstmPredictor:
     def predict(self, t_s: Array) -> Prediction | None:
         if self._end == 0:
             return None
-        if self._curve is None:
-            known = self._answer()
-            if known is None:
+        if self._known is None:
+            answer = self._answer()
+            if answer is None:
                 return self._at_first.predict(t_s)
-            self._curve, self._std_m = curve(known[0]), known[1]
+            self._known = curve(answer[0]), answer[1]
+        way, std_m = self._known
         ahead_s = t_s - self._rows[self._end - 1, 0]
-        std_m = np.interp(ahead_s, HORIZONS_S, self._std_m)
-        return Prediction(t_s, poses(along(self._curve, ahead_s), self._tilt), std_m, self._curve[0, 1, :3])
+        stds_m = np.interp(ahead_s, HORIZONS_S, std_m)
+        return Prediction(t_s, poses(along(way, ahead_s), self._tilt), stds_m, way[0, 1, :3])
 
     def _answer(self) -> tuple[Array, Array] | None:
         """States (horizons, 4) at ``HORIZONS_S`` after the newest observation and their standard deviations
