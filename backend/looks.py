@@ -79,10 +79,11 @@ def ring(inner_m: float, outer_m: float, z_m: float, segments: int = 96) -> Geom
 
 
 def ribbon(path_m: Array, width_m: float, drop_m: float) -> Geometry:
-    """A horizontal band along ``path_m`` (n, 3), ``drop_m`` below it."""
+    """A horizontal band along ``path_m`` (n, 3), ``drop_m`` below it; where it bends sharply it does not lie double."""
     side = _sideways(path_m) * (width_m / 2)
     down = np.array([0.0, 0.0, -drop_m])
-    vertices = np.concatenate([path_m + side + down, path_m - side + down])
+    edges = [_without_loops(edge, 2.0 * width_m) for edge in (path_m + side, path_m - side)]
+    vertices = np.concatenate(edges) + down
     n = len(path_m)
     i = np.arange(n - 1)
     left = np.stack([i, i + n, i + 1], axis=1)
@@ -109,6 +110,31 @@ def segments(points_m: Array) -> Array:
     if len(points_m) < 2:
         points_m = np.repeat(points_m, 2, axis=0)
     return np.stack([points_m[:-1], points_m[1:]], axis=1)
+
+
+def _without_loops(edge_m: Array, longest_m: float) -> Array:
+    """(n, 3) the same edge; points that go round in a loop of up to ``longest_m`` are moved to where it crosses itself."""
+    ends, steps = edge_m[:, :2], np.diff(edge_m[:, :2], axis=0)
+    way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
+    between = ends[None, :-1] - ends[:-1, None]
+    turn = _cross(steps[:, None], steps[None])
+    safe = np.where(np.abs(turn) < 1e-15, np.inf, turn)
+    along_first = _cross(between, steps[None]) / safe
+    along_second = _cross(between, steps[:, None]) / safe
+    crossing = (along_first >= 0.0) & (along_first < 1.0) & (along_second >= 0.0) & (along_second < 1.0)
+    far_on = np.arange(len(steps))[None] - np.arange(len(steps))[:, None]
+    crossing &= (far_on > 1) & (way[None, 1:] - way[:-1, None] <= longest_m) & (np.abs(turn) >= 1e-15)
+    out, done = edge_m.copy(), -1
+    for i, j in sorted(np.argwhere(crossing).tolist(), key=lambda pair: (pair[0], -pair[1])):
+        if i > done:
+            out[i + 1 : j + 1] = edge_m[i] + along_first[i, j] * (edge_m[i + 1] - edge_m[i])
+            done = j
+    return out
+
+
+def _cross(a: Array, b: Array) -> Array:
+    """Of plane vectors (..., 2)."""
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
 
 
 def _sideways(path_m: Array) -> Array:

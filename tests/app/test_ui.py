@@ -196,6 +196,22 @@ def test_arrows_point_along_the_belt_and_the_band_is_as_wide_as_the_tray() -> No
     assert (band.vertices[:, 2] == 0.0).all()
 
 
+def test_a_band_along_sharp_bends_covers_the_ground_beside_it_once() -> None:
+    x = np.linspace(0.0, 1.0, 120)
+    path = np.stack([x, 0.08 * np.sin(20.0 * x), np.full(120, 0.02)], axis=1)
+    band = ribbon(path, 0.1, 0.02)
+    corners = band.vertices[band.faces][:, :, :2]
+    points = np.random.default_rng(0).uniform([0.05, -0.15], [0.95, 0.15], (20_000, 2))
+    sides = np.roll(corners, -1, axis=1) - corners
+    to_points = points[:, None, None] - corners
+    over = sides[..., 0] * to_points[..., 1] - sides[..., 1] * to_points[..., 0]
+    times = (over > 0.0).all(axis=2).sum(axis=1) + (over < 0.0).all(axis=2).sum(axis=1)
+    away_m = np.linalg.norm(points[:, None] - path[:, :2], axis=2).min(axis=1)
+    assert times.max() == 1
+    assert (times[away_m < 0.048] == 1).mean() > 0.999
+    assert not times[away_m > 0.052].any()
+
+
 def test_thinning_moves_no_vertex_far_and_leaves_only_triangles() -> None:
     ball = trimesh.creation.icosphere(subdivisions=5, radius=0.1)
     thin = thinned(ball, 0.01)
