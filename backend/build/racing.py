@@ -130,9 +130,9 @@ def _lift_some(task: Task) -> list[tuple[int, int, int, float]]:
 
 
 def lifts_per_second(heat: Heat, Ts_object_grasp: Array, count: int) -> float:
-    """How many lifts one core does in a second."""
+    """How many lifts of these grasps in turn one process does in a second, its world once made."""
     todo = [(k, Ts_object_grasp[k % len(Ts_object_grasp)], 1, 2) for k in range(count)]
     _lift_some((heat, todo[:1]))
-    begun_s = time.process_time()
+    begun_s = time.perf_counter()
     _lift_some((heat, todo))
-    return count / (time.process_time() - begun_s)
+    return count / (time.perf_counter() - begun_s)
