@@ -113,7 +113,7 @@ def segments(points_m: Array) -> Array:
 
 
 def _without_loops(edge_m: Array, longest_m: float) -> Array:
-    """(n, 3) the same edge; points that go round in a loop of up to ``longest_m`` are moved to where it crosses itself."""
+    """(n, 3) the same edge; a loop of it of up to ``longest_m`` is drawn together to where the edge crosses itself."""
     ends, steps = edge_m[:, :2], np.diff(edge_m[:, :2], axis=0)
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(steps, axis=1))])
     between = ends[None, :-1] - ends[:-1, None]
