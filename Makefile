@@ -1,7 +1,7 @@
 # make run    the dashboard on http://127.0.0.1:8080 (ARGS="--port 9000 --seed 3" passes flags on)
 # make test   every test, browser tests included
 # make check  formatting, lint, types
-# make knowledge  everything the robot knows beforehand: hours; begun again, it keeps finished grasps and attempts
+# make knowledge  everything the robot knows beforehand: hours; begun again, it goes on, and what is up to date is kept
 # PYTHON=/path/to/python3.11 picks the interpreter that makes the environment
 
 PYTHON ?= python3.11
@@ -43,8 +43,8 @@ check: setup
 	$(BIN)/pyright
 
 knowledge: setup
-	$(BIN)/python -m backend build reachability
 	$(BIN)/python -m backend build grasps
+	$(BIN)/python -m backend build reachability
 	$(BIN)/python -m backend build motion-aware
 	$(BIN)/python -m backend build predictor
 	$(BIN)/python -m backend report knowledge --figures docs

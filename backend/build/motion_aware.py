@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import math
 import time
 from collections import Counter
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from backend.build.attempts import Attempts
+from backend.build.digests import code_digest
 from backend.build.motion_curves import curves
 from backend.build.motion_data import Source
 from backend.build.motion_metrics import agreement, best_sharpness
@@ -28,6 +30,7 @@ from backend.robots import ROBOTS
 OnProgress = Callable[[str], None]
 HIDDEN = 512
 LEAST_SCALE = 1e-3
+CODE = ("build/motion_*.py", "knowledge/motion_*.py")
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,7 @@ def build_motion_aware(
         "seed": source.seed,
         "attempts": len(attempts),
         "source": source.digest(),
+        "training": training_digest(settings),
         "settings": {"attempts": asdict(source.settings), "training": asdict(settings)},
         "versions": {name: version(name) for name in ("numpy", "torch", "pybullet", "dynamic-grasping")},
         "measured": _measured(twin, attempts, parts),
@@ -87,6 +91,20 @@ def build_motion_aware(
     }
     model.facts.update(facts)
     return model
+
+
+def is_up_to_date(
+    model: MotionAwareModel, source: Source, attempts: int, settings: TrainingSettings | None = None
+) -> bool:
+    """Whether ``build_motion_aware`` would make this very model of that many attempts."""
+    wanted = {"source": source.digest(), "attempts": attempts, "training": training_digest(settings)}
+    return wanted.items() <= model.facts.items()
+
+
+def training_digest(settings: TrainingSettings | None = None) -> str:
+    """Of everything that decides what is learnt from given attempts: settings, code, torch."""
+    words = (asdict(settings or TrainingSettings()), version("torch"), code_digest(CODE))
+    return hashlib.sha256(repr(words).encode()).hexdigest()[:16]
 
 
 def train(

@@ -16,6 +16,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
+from backend.build.digests import code_digest
 from backend.build.predictor_network import HIDDEN, Network, exported
 from backend.build.predictor_spread import SpreadSettings, learn_spread
 from backend.build.sequences import Sequences, SequenceSettings, draw_sequences
@@ -25,6 +26,7 @@ from backend.pipeline.predict.window import BINS_S, FEATURES, HORIZONS_S, MIN_BI
 
 OnProgress = Callable[[str], None]
 TRAINING, VALIDATION = 0, 1
+CODE = ("build/predictor*.py", "build/sequences.py", "pipeline/predict/window.py")
 
 
 @dataclass(frozen=True)
@@ -79,6 +81,7 @@ def build_predictor(
     spread, within = learn_spread(run.mean, seed, settings.spread, settings.sequences)
     facts = {
         "seed": seed,
+        "source": source_digest(seed, settings),
         "settings": asdict(settings),
         "sequences": settings.steps * settings.batch,
         "torch": version("torch"),
@@ -87,6 +90,16 @@ def build_predictor(
         "spread": within,
     }
     return exported(run.mean, spread, facts)
+
+
+def is_up_to_date(weights: PredictorWeights, seed: int, settings: PredictorSettings | None = None) -> bool:
+    """Whether ``build_predictor`` would make these very weights."""
+    return weights.facts.get("source") == source_digest(seed, settings or PredictorSettings())
+
+
+def source_digest(seed: int, settings: PredictorSettings) -> str:
+    """Of everything that decides the weights: seed, settings, code, torch."""
+    return hashlib.sha256(f"{_purpose(seed, settings)} {code_digest(CODE)}".encode()).hexdigest()[:16]
 
 
 def _begin(seed: int, settings: PredictorSettings) -> _Run:

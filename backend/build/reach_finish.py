@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
@@ -10,14 +11,17 @@ from typing import Any
 import numpy as np
 
 from backend.build import reach_measure as measure
+from backend.build.digests import code_digest
 from backend.build.reach_oracle import Oracle
 from backend.build.reachability import ReachabilitySettings, build_reachability
 from backend.kinematics import Kinematics
 from backend.knowledge.reachability import ReachabilityField
+from backend.robots.models import load_model
 
 OnProgress = Callable[[str], None]
 Table = dict[str, Any]
 CALIBRATION_POSES = 8_000
+CODE = ("build/reach*.py", "kinematics/*.py", "knowledge/reach*.py")
 PLAIN = ReachabilitySettings(
     position_step_m=measure.CELL_M,
     approach_step_rad=measure.CELL_RAD,
@@ -108,7 +112,19 @@ def finished(
     reach = calibrated(reach, kinematics, np.random.default_rng(calibration_seed), on_progress)
     took_s = round(time.perf_counter() - begun_s, 1)
     table = report(reach, kinematics, check_seed, checked, on_progress, compare=False)
-    return replace(reach, facts={**reach.facts, "seed": seed, "metrics": table, "took_s": took_s})
+    source = source_digest(reach.robot, seed, settings)
+    return replace(reach, facts={**reach.facts, "seed": seed, "source": source, "metrics": table, "took_s": took_s})
+
+
+def is_up_to_date(reach: ReachabilityField, seed: int, settings: ReachabilitySettings | None = None) -> bool:
+    """Whether ``finished`` would make this very field."""
+    return reach.facts.get("source") == source_digest(reach.robot, seed, settings)
+
+
+def source_digest(robot: str, seed: int, settings: ReachabilitySettings | None = None) -> str:
+    """Of everything that decides a field: the robot's model, seed, settings, code."""
+    words = (load_model(robot).hand_urdf.parent.name, seed, asdict(settings or ReachabilitySettings()))
+    return hashlib.sha256(f"{words} {code_digest(CODE)}".encode()).hexdigest()[:16]
 
 
 def _row(name: str, poses: measure.PoseSet, says: measure.Bools) -> Table:

@@ -143,7 +143,7 @@ def _build(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--robot", metavar="NAME", help="default: all")
     parser.add_argument("--object", metavar="NAME", help="default: the seven of the project (grasps, motion-aware)")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--again", action="store_true", help="also what is up to date already (grasps only)")
+    parser.add_argument("--again", action="store_true", help="also what is up to date already")
     parser.add_argument("--count", type=int, default=100, help="grasps to keep (default 100; grasps only)")
     parser.add_argument(
         "--attempts", type=int, default=10_000, metavar="N", help="of each pair (default 10000; motion-aware only)"

@@ -5,14 +5,16 @@ import json
 import time
 from typing import Any
 
-from backend.build.grasps import build_grasps, is_up_to_date
-from backend.cli.choices import chosen_pairs, chosen_robots, chosen_workers, teller
-from backend.errors import InvalidInputError, MissingResourceError
+from backend.build import grasps
+from backend.cli.choices import UP_TO_DATE, chosen_pairs, chosen_robots, chosen_workers, shelved, teller
+from backend.errors import InvalidInputError
 from backend.files import cache_folder
 from backend.kinematics import load_kinematics
 from backend.knowledge.grasps import GraspDatabase, load_grasps, save_grasps
-from backend.knowledge.predictor import save_weights
-from backend.knowledge.reachability import save_reachability
+from backend.knowledge.predictor import load_weights, save_weights
+from backend.knowledge.reachability import load_reachability, save_reachability
+from backend.objects import OBJECTS
+from backend.pipeline.predict.window import FEATURES, HORIZONS_S
 
 
 def run(options: argparse.Namespace) -> int:
@@ -41,10 +43,11 @@ def _grasps(options: argparse.Namespace) -> int:
     for robot, name in chosen_pairs(options):
         begun_s = time.perf_counter()
         tell = teller(robot, name)
-        if not options.again and _is_there(robot, name, options.seed, options.count):
-            tell("up to date; --again makes it anew")
+        there = None if options.again else shelved(load_grasps, robot, name)
+        if there is not None and grasps.is_up_to_date(there, options.seed, options.count):
+            tell(UP_TO_DATE)
             continue
-        database = build_grasps(robot, name, options.seed, options.count, tell, workers=workers)
+        database = grasps.build_grasps(robot, name, options.seed, options.count, tell, workers=workers)
         path = save_grasps(database)
         entry = _entry(database, time.perf_counter() - begun_s) | {"file": str(path)}
         built.append(entry)
@@ -55,25 +58,25 @@ def _grasps(options: argparse.Namespace) -> int:
     return 0
 
 
-def _is_there(robot: str, name: str, seed: int, count: int) -> bool:
-    """Whether the very database that would be built is there already."""
-    try:
-        return is_up_to_date(load_grasps(robot, name), seed, count)
-    except (MissingResourceError, InvalidInputError):
-        return False
-
-
 def _reachability(options: argparse.Namespace) -> int:
-    """The field of each arm asked for, saved when it is calibrated and checked."""
+    """The field of each arm asked for, saved when it is calibrated, and checked on grasps of the databases."""
     workers = chosen_workers(options)
     if options.object is not None:
         raise InvalidInputError("--object is of grasps; a reachability field is of an arm, whatever it grasps")
     robots = chosen_robots(options)
-    from backend.build.reach_finish import finished
+    from backend.build.reach_finish import finished, is_up_to_date
 
+    for robot in robots:
+        for name in OBJECTS:
+            load_grasps(robot, name)
     built: list[dict[str, Any]] = []
     for robot in robots:
-        reach = finished(load_kinematics(robot), options.seed, teller(robot, "reachability"), workers)
+        tell = teller(robot, "reachability")
+        there = None if options.again else shelved(load_reachability, robot)
+        if there is not None and is_up_to_date(there, options.seed):
+            tell(UP_TO_DATE)
+            continue
+        reach = finished(load_kinematics(robot), options.seed, tell, workers)
         path = save_reachability(reach)
         size_mb = path.stat().st_size / 1e6
         built.append({"robot": robot, "file": str(path), "size_mb": size_mb, "took_s": reach.facts["took_s"]})
@@ -88,11 +91,18 @@ def _predictor(options: argparse.Namespace) -> int:
     """Train the network of motion prediction; killed and begun again, it goes on where it was."""
     if options.robot is not None or options.object is not None:
         raise InvalidInputError("--robot and --object are of grasps; one predictor serves all robots and objects")
-    from backend.build.predictor import build_predictor
+    from backend.build.predictor import build_predictor, is_up_to_date
 
     begun_s = time.perf_counter()
+    tell = teller("predictor", f"seed {options.seed}")
+    there = None if options.again else shelved(load_weights, FEATURES, len(HORIZONS_S))
+    if there is not None and is_up_to_date(there, options.seed):
+        tell(UP_TO_DATE)
+        if options.json:
+            print(json.dumps({"predictor": None}))
+        return 0
     checkpoint = cache_folder() / f"predictor-{options.seed}.pt"
-    weights = build_predictor(options.seed, checkpoint, teller("predictor", f"seed {options.seed}"))
+    weights = build_predictor(options.seed, checkpoint, tell)
     path = save_weights(weights)
     checkpoint.unlink(missing_ok=True)
     measured = weights.facts["validation"]

@@ -6,10 +6,10 @@ import time
 from typing import Any
 
 from backend.build.motion_data import gather, source_of
-from backend.cli.choices import chosen_pairs, chosen_workers, teller
+from backend.cli.choices import UP_TO_DATE, chosen_pairs, chosen_workers, shelved, teller
 from backend.errors import InvalidInputError
 from backend.knowledge.grasps import load_grasps
-from backend.knowledge.motion_aware import save_motion_aware
+from backend.knowledge.motion_aware import load_motion_aware, save_motion_aware
 
 LEAST = 100
 
@@ -20,13 +20,17 @@ def build_all(options: argparse.Namespace) -> int:
     pairs = chosen_pairs(options)
     if options.attempts < LEAST:
         raise InvalidInputError(f"--attempts must be at least {LEAST} (got {options.attempts})")
-    from backend.build.motion_aware import build_motion_aware
+    from backend.build.motion_aware import build_motion_aware, is_up_to_date
 
     built: list[dict[str, Any]] = []
     for robot, name in pairs:
         begun_s = time.perf_counter()
         source = source_of(load_grasps(robot, name), options.seed)
         tell = teller(robot, name)
+        there = None if options.again else shelved(load_motion_aware, robot, name)
+        if there is not None and is_up_to_date(there, source, options.attempts):
+            tell(UP_TO_DATE)
+            continue
         attempts = gather(source, options.attempts, workers, tell)
         model = build_motion_aware(source, attempts, tell)
         path = save_motion_aware(model)

@@ -4,10 +4,15 @@ import argparse
 import os
 import sys
 from collections.abc import Callable
+from typing import ParamSpec, TypeVar
 
-from backend.errors import InvalidInputError, lookup
+from backend.errors import InvalidInputError, MissingResourceError, lookup
 from backend.objects import OBJECTS, object_names
 from backend.robots import ROBOTS
+
+UP_TO_DATE = "up to date; --again makes it anew"
+Names = ParamSpec("Names")
+Found = TypeVar("Found")
 
 
 def chosen_robots(options: argparse.Namespace) -> list[str]:
@@ -38,6 +43,14 @@ def chosen_workers(options: argparse.Namespace) -> int:
     if workers < 1:
         raise InvalidInputError(f"--workers must be at least 1 (got {workers})")
     return workers
+
+
+def shelved(load: Callable[Names, Found], *names: Names.args, **more: Names.kwargs) -> Found | None:
+    """What ``load`` finds under these names; None when it was not built, or is broken."""
+    try:
+        return load(*names, **more)
+    except (MissingResourceError, InvalidInputError):
+        return None
 
 
 def teller(*words: str) -> Callable[[str], None]:

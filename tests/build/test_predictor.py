@@ -57,6 +57,15 @@ def test_one_position_in_twenty_is_off_by_more_than_two_standard_deviations(nois
     assert ((share > 0.93) & (share < 0.985)).all(), share
 
 
+def test_weights_are_up_to_date_for_their_own_seed_and_settings_only():
+    from backend.build.predictor import PredictorSettings, is_up_to_date, source_digest
+
+    weights = load_weights(FEATURES, HORIZONS)
+    made = replace(weights, facts={**weights.facts, "source": source_digest(3, PredictorSettings())})
+    assert is_up_to_date(made, 3)
+    assert not is_up_to_date(made, 4) and not is_up_to_date(made, 3, PredictorSettings(steps=12_001))
+
+
 def test_a_killed_training_ends_as_one_that_was_not(tmp_path: Path):
     from backend.build.predictor import PredictorSettings, SpreadSettings, build_predictor
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backend.build.reach_finish import workspace_m
+from backend.build.reach_finish import is_up_to_date, source_digest, workspace_m
 from backend.build.reach_measure import agreement, calibrated_shift
 from backend.build.reach_oracle import Oracle, random_poses
 from backend.build.reachability import ReachabilitySettings, build_reachability
@@ -41,6 +41,12 @@ def test_the_chart_is_undone_by_turning_back():
         fill_row(x, row)
         turned = Pose.from_xyz_yaw((0.0, 0.0, 0.0), azimuth).matrix @ matrix_of(row)
         np.testing.assert_allclose(turned, T, atol=1e-9)
+
+
+def test_a_field_is_up_to_date_for_its_own_robot_seed_and_settings_only():
+    mico, ur5 = (replace(load_reachability(robot), facts={"source": source_digest("mico", 3)}) for robot in ROBOT_NAMES)
+    assert is_up_to_date(mico, 3)
+    assert not is_up_to_date(ur5, 3) and not is_up_to_date(mico, 4) and not is_up_to_date(mico, 3, SMALL)
 
 
 @pytest.mark.parametrize("robot", ROBOT_NAMES)

@@ -119,6 +119,30 @@ def test_bad_counts_are_refused(capsys: pytest.CaptureFixture[str]):
     assert "--attempts must not be negative" in refused(capsys, "report", "motion-aware", "--attempts", "-1")
 
 
+def test_what_is_up_to_date_is_not_made_again(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    asked: list[int] = []
+
+    def is_up_to_date(found: object, seed: int, *_: object) -> bool:
+        asked.append(seed)
+        return True
+
+    for module in ("grasps", "reach_finish", "predictor"):
+        monkeypatch.setattr(f"backend.build.{module}.is_up_to_date", is_up_to_date)
+    assert main(["build", "grasps", "--robot", "mico", "--object", "cube", "--seed", "5"]) == 0
+    assert main(["build", "reachability", "--robot", "mico", "--seed", "6"]) == 0
+    assert main(["build", "predictor", "--seed", "7"]) == 0
+    assert asked == [5, 6, 7]
+    assert capsys.readouterr().err.count("up to date; --again makes it anew") == 3
+
+
+def test_a_field_is_not_begun_without_the_databases_that_it_is_checked_on(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("backend.knowledge.pairs.ASSETS", Path("nowhere"))
+    text = refused(capsys, "build", "reachability", "--robot", "mico", "--again")
+    assert "python -m backend build grasps --robot mico --object bleach_cleanser" in text
+
+
 def test_ctrl_c_ends_cleanly_and_leaves_no_file(tmp_path: Path):
     trace = tmp_path / "trial.npz"
     out_of_reach = ["task.distance_min_m=1.9", "task.distance_max_m=2.0", "task.speed_mps=0.005"]

@@ -37,6 +37,8 @@ def test_a_model_is_built_and_reported(
     captured = capsys.readouterr()
     built = json.loads(captured.out)["models"][0]
     assert "500 of 500 attempts" in captured.err and Path(built["file"]).is_file()
+    assert main(["build", "motion-aware", *PAIR, "--attempts", "500"]) == 0
+    assert capsys.readouterr().err.splitlines()[-1] == "mico cube: up to date; --again makes it anew"
 
     figures = str(tmp_path / "figures")
     assert main(["report", "motion-aware", *PAIR, "--figures", figures, "--json"]) == 0
