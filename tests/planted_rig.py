@@ -32,9 +32,9 @@ class PlantedRig:
     ) -> Planted:
         velocity = np.zeros(2) if velocity_mps is None else velocity_mps
         seen = (T_believed_object or Pose.identity()).inverse() @ T_object_grasp
-        off_m = float(np.hypot(seen.xyz_m[0], seen.xyz_m[2] - 0.05))
+        off_m = float(np.linalg.norm(seen.xyz_m - [0.0, 0.0, 0.05]))
         towards_mps = -float(T_object_grasp.rotation[:2, 2] @ velocity)
-        held = off_m < min(0.02 + 0.5 * towards_mps, 0.04)
+        held = off_m < min(0.02 + 0.6 * towards_mps, 0.04)
         return Planted(held, "" if held else "too far off")
 
 

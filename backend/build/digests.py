@@ -1,7 +1,11 @@
-"""Digests of what decides a result: code, hand, object. Whoever finds the same one need not compute again."""
+"""Digests of what decides a result: code, hand, object; the same on every machine.
+
+Whoever finds the same one need not compute again.
+"""
 
 import ast
 import hashlib
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -19,13 +23,27 @@ PHYSICS = (
 
 def rig_digest(robot: str, object: str) -> str:
     """Equal when attempts on the rig end equally: the shapes of hand and object, friction, mass, code, execution."""
-    digest = hashlib.sha256(load_model(robot).hand_urdf.parent.name.encode())
+    digest = hashlib.sha256(urdf_digest(load_model(robot).hand_urdf).encode())
     target = load_object(object)
     digest.update(repr((target.mass_kg, target.lateral_friction, target.spinning_friction)).encode())
     for part in target.convex_parts:
         digest.update(part.vertices.tobytes())
     digest.update(code_digest(PHYSICS).encode())
     digest.update(repr(Execution()).encode())
+    return digest.hexdigest()
+
+
+def urdf_digest(urdf: Path) -> str:
+    """Of a URDF and the meshes that it names."""
+    named = sorted(set(re.findall(r'filename="([^"]+)"', urdf.read_text())))
+    return files_digest([urdf, *(urdf.parent / name for name in named)])
+
+
+def files_digest(paths: Iterable[Path]) -> str:
+    """Of the contents of files, in this order."""
+    digest = hashlib.sha256()
+    for path in paths:
+        digest.update(hashlib.sha256(path.read_bytes()).digest())
     return digest.hexdigest()
 
 

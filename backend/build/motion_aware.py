@@ -21,16 +21,24 @@ from backend.build.attempts import Attempts
 from backend.build.digests import code_digest
 from backend.build.motion_curves import curves
 from backend.build.motion_data import Source
+from backend.build.motion_images import images
 from backend.build.motion_metrics import agreement, best_sharpness
 from backend.build.motion_split import Split, SplitSettings, split
+from backend.build.symmetries import Symmetries, symmetries
 from backend.knowledge.motion_aware import Floats, Layer, MotionAwareModel, sigmoid
 from backend.knowledge.motion_features import FEATURES, grasp_features, motion_features
+from backend.objects import load_object
+from backend.pose import Array
 from backend.robots import ROBOTS
+from backend.robots.models import load_model
 
 OnProgress = Callable[[str], None]
 HIDDEN = 512
 LEAST_SCALE = 1e-3
-CODE = ("build/motion_*.py", "knowledge/motion_*.py")
+CODE = (
+    *("build/motion_*.py", "build/hand_points.py", "build/object_field.py", "build/symmetries.py"),
+    "knowledge/motion_*.py",
+)
 
 
 @dataclass(frozen=True)
@@ -45,7 +53,11 @@ class TrainingSettings:
     rate: float = 1e-3
     """AdamW's, falling to zero along half a cosine over all epochs."""
     weight_decay: float = 1e-2
-    dropout: float = 0.1
+    dropout: float = 0.05
+    average: float = 0.998
+    """Decay of the running mean of the weights, which is what is kept."""
+    believed_anew: float = 0.5
+    """Share of the attempts shown as if the object had been believed elsewhere, as far from where it truly was."""
     split: SplitSettings = field(default_factory=SplitSettings)
 
 
@@ -74,9 +86,10 @@ def build_motion_aware(
     settings = settings or TrainingSettings()
     begun_s = time.perf_counter()
     parts = split(attempts.grasp, source.seed, settings.split)
-    twin = train(source, attempts, parts.training, parts.validation, on_progress, settings)
+    alike = symmetries(load_model(source.robot), load_object(source.object))
+    twin = train(source, attempts, alike, parts.training, parts.validation, on_progress, settings)
     everything = np.sort(np.concatenate([parts.training, parts.trials, parts.grasps]))
-    model = train(source, attempts, everything, parts.validation, on_progress, settings)
+    model = train(source, attempts, alike, everything, parts.validation, on_progress, settings)
     facts: dict[str, Any] = {
         "seed": source.seed,
         "attempts": len(attempts),
@@ -110,21 +123,30 @@ def training_digest(settings: TrainingSettings | None = None) -> str:
 def train(
     source: Source,
     attempts: Attempts,
+    alike: Symmetries,
     training: NDArray[np.int64],
     validation: NDArray[np.int64],
     on_progress: OnProgress,
     settings: TrainingSettings,
 ) -> MotionAwareModel:
-    """A model from the rows ``training``; the rows ``validation`` choose its epoch and its temperature."""
+    """A model from images of the rows ``training``; the rows ``validation`` choose its epoch and its temperature."""
     torch.set_num_threads(1)
     backoff_m = ROBOTS[source.robot].backoff_m
-    features = _features(attempts, backoff_m)
-    center = features[training].mean(axis=0)
-    scale = np.maximum(features[training].std(axis=0), LEAST_SCALE)
-    known = torch.from_numpy(((features - center) / scale).astype(np.float32))
-    held = torch.from_numpy(attempts.held.astype(np.float32))
-    learn, check = torch.from_numpy(training), torch.from_numpy(validation)
-    network, epochs = _fitted((known[learn], held[learn]), (known[check], held[check]), source.seed, settings)
+    learn, check = attempts.take(training), attempts.take(validation)
+    features = _features(learn.Ts_object_grasp, learn.speed_mps, learn.direction_rad, backoff_m)
+    center = features.mean(axis=0)
+    scale = np.maximum(features.std(axis=0), LEAST_SCALE)
+
+    def known(Ts: Array, speed_mps: Array, direction_rad: Array) -> Tensor:
+        shown = _features(Ts, speed_mps, direction_rad, backoff_m)
+        return torch.from_numpy(((shown - center) / scale).astype(np.float32))
+
+    def fresh(rng: np.random.Generator) -> Tensor:
+        Ts, direction_rad = images(learn, alike, source.settings, settings.believed_anew, rng)
+        return known(Ts, learn.speed_mps, direction_rad)
+
+    checked = known(check.Ts_object_grasp, check.speed_mps, check.direction_rad), _outcomes(check)
+    network, epochs = _fitted(fresh, _outcomes(learn), checked, source.seed, settings)
     model = MotionAwareModel(
         source.robot,
         source.object,
@@ -135,11 +157,10 @@ def train(
         exported(network),
         {"epochs": epochs},
     )
-    checked = attempts.take(validation)
-    sharpness = best_sharpness(_logits(model, checked), checked.held)
+    sharpness = best_sharpness(_logits(model, check), check.held)
     model = sharpened(model, sharpness)
     model.facts["temperature"] = round(1.0 / sharpness, 4)
-    loss = agreement(_probability(model, checked), checked.held).log_loss
+    loss = agreement(_probability(model, check), check.held).log_loss
     on_progress(f"{len(training)} attempts learnt in {epochs} epochs, validation log loss {loss:.4f}")
     return model
 
@@ -174,42 +195,63 @@ def sharpened(model: MotionAwareModel, factor: float) -> MotionAwareModel:
 
 
 def _fitted(
-    learn: tuple[Tensor, Tensor], check: tuple[Tensor, Tensor], seed: int, settings: TrainingSettings
+    fresh: Callable[[np.random.Generator], Tensor],
+    outcomes: Tensor,
+    check: tuple[Tensor, Tensor],
+    seed: int,
+    settings: TrainingSettings,
 ) -> tuple[Network, int]:
-    """The network of the epoch with the least validation loss, and that epoch's number."""
+    """The mean network of the epoch with the least validation loss, and that epoch's number."""
+    rng = np.random.default_rng(seed)
     with torch.random.fork_rng():
         torch.manual_seed(seed)
         network = Network(settings.dropout)
+        mean = copy.deepcopy(network).eval()
         optimizer = torch.optim.AdamW(
             network.parameters(), lr=settings.rate, weight_decay=settings.weight_decay, fused=False
         )
-        best, best_loss, best_epoch = copy.deepcopy(network), math.inf, 0
+        best, best_loss, best_epoch, step = copy.deepcopy(mean), math.inf, 0, 0
         for epoch in range(settings.epochs):
             for group in optimizer.param_groups:
                 group["lr"] = settings.rate * 0.5 * (1.0 + math.cos(math.pi * epoch / settings.epochs))
-            _one_epoch(network, optimizer, learn, settings.batch)
-            network.eval()
+            step = _one_epoch(network, mean, optimizer, (fresh(rng), outcomes), step, settings)
             with torch.no_grad():
-                loss = float(nn.functional.binary_cross_entropy_with_logits(network(check[0]), check[1]))
+                loss = float(nn.functional.binary_cross_entropy_with_logits(mean(check[0]), check[1]))
             if loss < best_loss:
-                best, best_loss, best_epoch = copy.deepcopy(network), loss, epoch + 1
+                best, best_loss, best_epoch = copy.deepcopy(mean), loss, epoch + 1
             elif epoch + 1 - best_epoch >= settings.patience:
                 break
     return best, best_epoch
 
 
-def _one_epoch(network: Network, optimizer: torch.optim.AdamW, learn: tuple[Tensor, Tensor], batch: int) -> None:
-    network.train()
-    for rows in torch.randperm(len(learn[0])).split(batch):
+def _one_epoch(
+    network: Network,
+    mean: Network,
+    optimizer: torch.optim.AdamW,
+    learn: tuple[Tensor, Tensor],
+    step: int,
+    settings: TrainingSettings,
+) -> int:
+    """Steps done until now, of which ``step`` in other epochs."""
+    for rows in torch.randperm(len(learn[0])).split(settings.batch):
         loss = nn.functional.binary_cross_entropy_with_logits(network(learn[0][rows]), learn[1][rows])
         optimizer.zero_grad()
         loss.backward()
         optimizer.step()
+        average = min(settings.average, (1 + step) / (10 + step))
+        with torch.no_grad():
+            for kept, now in zip(mean.parameters(), network.parameters(), strict=True):
+                kept.lerp_(now, 1.0 - average)
+        step += 1
+    return step
 
 
-def _features(attempts: Attempts, backoff_m: float) -> NDArray[np.float64]:
-    grasps = grasp_features(attempts.Ts_object_grasp, backoff_m)
-    return np.concatenate([grasps, motion_features(attempts.speed_mps, attempts.direction_rad)], axis=1)
+def _outcomes(attempts: Attempts) -> Tensor:
+    return torch.from_numpy(attempts.held.astype(np.float32))
+
+
+def _features(Ts: Array, speed_mps: Array, direction_rad: Array, backoff_m: float) -> NDArray[np.float64]:
+    return np.concatenate([grasp_features(Ts, backoff_m), motion_features(speed_mps, direction_rad)], axis=1)
 
 
 def _logits(model: MotionAwareModel, attempts: Attempts) -> NDArray[np.float64]:

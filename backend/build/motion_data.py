@@ -192,9 +192,9 @@ def draw(source: Source, index: int) -> Case:
     )
 
 
-def draw_misplaced(settings: AttemptSettings, rng: np.random.Generator) -> Array:
-    """(3,) x, y (m) and yaw (rad) of the true object where it is believed to be."""
-    return rng.uniform(-1.0, 1.0, 3) * [settings.misplaced_m, settings.misplaced_m, settings.misplaced_rad]
+def draw_misplaced(settings: AttemptSettings, rng: np.random.Generator, *count: int) -> Array:
+    """(3,), or (count, 3), x, y (m) and yaw (rad) of the true object in the frame where it is believed to be."""
+    return rng.uniform(-1.0, 1.0, (*count, 3)) * [settings.misplaced_m, settings.misplaced_m, settings.misplaced_rad]
 
 
 def attempted(rig: AttemptRig, case: Case) -> tuple[bool, str]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from backend.build import reach_measure as measure
-from backend.build.digests import code_digest
+from backend.build.digests import code_digest, files_digest
 from backend.build.reach_oracle import Oracle
 from backend.build.reachability import ReachabilitySettings, build_reachability
 from backend.kinematics import Kinematics
@@ -123,8 +123,10 @@ def is_up_to_date(reach: ReachabilityField, seed: int, settings: ReachabilitySet
 
 def source_digest(robot: str, seed: int, settings: ReachabilitySettings | None = None) -> str:
     """Of everything that decides a field: the robot's model, seed, settings, code."""
-    words = (load_model(robot).hand_urdf.parent.name, seed, asdict(settings or ReachabilitySettings()))
-    return hashlib.sha256(f"{words} {code_digest(CODE)}".encode()).hexdigest()[:16]
+    folder = load_model(robot).hand_urdf.parent
+    model = files_digest(sorted(path for path in folder.rglob("*") if path.is_file()))
+    words = (model, seed, asdict(settings or ReachabilitySettings()), code_digest(CODE))
+    return hashlib.sha256(repr(words).encode()).hexdigest()[:16]
 
 
 def _row(name: str, poses: measure.PoseSet, says: measure.Bools) -> Table:

@@ -1,5 +1,7 @@
 """Attempts: how they are drawn, kept and gone on with, and how they are parted."""
 
+import re
+import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -9,11 +11,12 @@ import pytest
 
 from backend.build import motion_data
 from backend.build.attempts import COLUMNS, Attempts
-from backend.build.digests import digest_of
+from backend.build.digests import digest_of, urdf_digest
 from backend.build.motion_data import CHUNK, AttemptSettings, GraspChoice, Source, chunk_file, draw, gather
 from backend.build.motion_split import SplitSettings, split
 from backend.errors import InvalidInputError
 from backend.pose import Pose, rotation_angle_rad
+from backend.robots.models import load_model
 from tests.planted_rig import PlantedRig, planted_source
 
 COUNT = 2 * CHUNK + 30
@@ -175,3 +178,14 @@ def test_parts_are_disjoint_whole_and_do_not_share_held_out_grasps():
 def test_too_few_attempts_are_refused():
     with pytest.raises(InvalidInputError, match="3 attempts at 3 grasps are too few"):
         split(np.arange(3), 0)
+
+
+def test_a_digest_of_a_hand_is_of_what_its_files_hold(tmp_path: Path):
+    hand = load_model("mico").hand_urdf
+    for name in ("here", "there"):
+        shutil.copytree(hand.parent, tmp_path / name)
+    here, there = (tmp_path / name / hand.name for name in ("here", "there"))
+    assert urdf_digest(here) == urdf_digest(there) == urdf_digest(hand)
+    mesh = there.parent / str(re.findall(r'filename="([^"]+)"', there.read_text())[0])
+    mesh.write_text(mesh.read_text() + "\n# another\n")
+    assert urdf_digest(there) != urdf_digest(here)
