@@ -30,13 +30,12 @@ from backend.knowledge.motion_features import FEATURES, grasp_features, motion_f
 from backend.objects import load_object
 from backend.pose import Array
 from backend.robots import ROBOTS
-from backend.robots.models import load_model
 
 OnProgress = Callable[[str], None]
 HIDDEN = 512
 LEAST_SCALE = 1e-3
 CODE = (
-    *("build/motion_*.py", "build/hand_points.py", "build/object_field.py", "build/symmetries.py"),
+    *("build/motion_*.py", "build/object_field.py", "build/symmetries.py"),
     "knowledge/motion_*.py",
 )
 
@@ -86,7 +85,7 @@ def build_motion_aware(
     settings = settings or TrainingSettings()
     begun_s = time.perf_counter()
     parts = split(attempts.grasp, source.seed, settings.split)
-    alike = symmetries(load_model(source.robot), load_object(source.object))
+    alike = symmetries(load_object(source.object))
     twin = train(source, attempts, alike, parts.training, parts.validation, on_progress, settings)
     everything = np.sort(np.concatenate([parts.training, parts.trials, parts.grasps]))
     model = train(source, attempts, alike, everything, parts.validation, on_progress, settings)
