@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -58,14 +58,28 @@ def limits(courses: Sequence[Course]) -> list[Figure]:
 def waviness(courses: dict[tuple[str, bool], list[Course]]) -> list[Figure]:
     """Joint-space length and direction reversals of what was executed until the arm went in, per trial."""
     out: list[Figure] = []
-    for (kind, seeded), trials in courses.items():
-        how = f"{kind} {'seeded' if seeded else 'unseeded'}"
-        lengths = [float(np.linalg.norm(np.diff(course.qs, axis=0), axis=1).sum()) for course in trials]
-        turns = [reversals(course.qs) for course in trials]
-        n = len(trials)
-        out.append(Figure("waviness", f"{how}: path length per trial", float(np.mean(lengths)), "rad", of=n))
-        out.append(Figure("waviness", f"{how}: reversals per trial", float(np.mean(turns)), of=n))
+    for kind in dict.fromkeys(kind for kind, _ in courses):
+        ways, turns = ([_mean(of, courses[kind, seeded]) for seeded in (True, False)] for of in (_way_rad, _turns))
+        n = len(courses[kind, True])
+        for how, way_rad, turned in zip(("seeded", "unseeded"), ways, turns, strict=True):
+            out.append(Figure("waviness", f"{kind} {how}: path length per trial", way_rad, "rad", of=n))
+            out.append(Figure("waviness", f"{kind} {how}: reversals per trial", turned, of=n))
+        for what, (seeded, unseeded) in (("path length", ways), ("reversals", turns)):
+            ratio = seeded / max(unseeded, 1e-9)
+            out.append(Figure("waviness", f"{kind}: {what}, seeded against unseeded", ratio, "x", "<=", 1.0, n))
     return out
+
+
+def _mean(of: Callable[[Course], float], trials: Sequence[Course]) -> float:
+    return float(np.mean([of(course) for course in trials]))
+
+
+def _way_rad(course: Course) -> float:
+    return float(np.linalg.norm(np.diff(course.qs, axis=0), axis=1).sum())
+
+
+def _turns(course: Course) -> float:
+    return reversals(course.qs)
 
 
 def reversals(qs: Array) -> int:
