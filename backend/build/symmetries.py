@@ -22,7 +22,7 @@ from backend.pose import Array
 TURNS = 24
 """Turns about the vertical that are tried, equally spaced."""
 SAME_M = 0.0015
-"""Where surface and centre of mass come to lie, in 98 of 100 places, for the object to count as left as it is."""
+"""So far off may the surface, in 98 of 100 places, and the centre of mass come to lie."""
 NEAR_M = 0.006
 PROBES = 60_000
 
