@@ -58,6 +58,24 @@ class GraspSettings:
     noise: Noise = field(default_factory=Noise)
 
 
+@dataclass(frozen=True, eq=False)
+class UnderWay:
+    """How far a build has come: what is kept of it, so that it goes on the same after it was killed."""
+
+    racers: Racers
+    round: int
+    """That is being run, from 1; one more than there are when all are done."""
+    going_on: Counts
+    """Who runs in it. Chosen when it begins: chosen anew amid a round, by half its lifts, it would be others."""
+
+    def after(self, settings: GraspSettings) -> UnderWay:
+        """The next round, about to begin."""
+        ends = self.round == len(settings.rounds)
+        return UnderWay(
+            self.racers, self.round + 1, self.going_on if ends else best(self.racers, settings.rounds[self.round][0])
+        )
+
+
 def build_grasps(
     robot: str,
     object: str,
@@ -76,13 +94,15 @@ def build_grasps(
     begun_s = time.perf_counter()
     heat = Heat(robot, object, seed, settings.rig, settings.noise)
     path = checkpoint_file(heat, settings)
-    racers = _resumed(path)
-    if racers is None:
+    under_way = _resumed(path)
+    if under_way is None:
         racers = _entered(heat, settings, on_progress)
-        _save(path, racers)
-    for number, (keep, lifts) in enumerate(settings.rounds, 1):
-        going_on = best(racers, keep)
-        title = f"round {number} of {len(settings.rounds)}: "
+        under_way = UnderWay(racers, 1, best(racers, settings.rounds[0][0]))
+        _save(path, under_way)
+    racers = under_way.racers
+    while under_way.round <= len(settings.rounds):
+        going_on, lifts = under_way.going_on, settings.rounds[under_way.round - 1][1]
+        title = f"round {under_way.round} of {len(settings.rounds)}: "
         told_s = saved_s = time.perf_counter()
         for _ in race(heat, racers, going_on, lifts, workers):
             now_s = time.perf_counter()
@@ -91,11 +111,12 @@ def build_grasps(
                 on_progress(f"{title}{done} of {len(going_on)} at {lifts} lifts")
                 told_s = now_s
             if now_s - saved_s > SAVE_EVERY_S:
-                _save(path, racers)
+                _save(path, under_way)
                 saved_s = now_s
-        _save(path, racers)
         rate = racers.successes[going_on].sum() / racers.lifts[going_on].sum()
         on_progress(f"{title}{len(going_on)} grasps, {rate:.3f} of lifts hold")
+        under_way = under_way.after(settings)
+        _save(path, under_way)
     if not racers.successes.any():
         raise InvalidInputError(f"{robot} cannot hold {object}: none of {len(racers.lifts)} grasps lifted it.")
     database = _database(heat, settings, racers, count, time.perf_counter() - begun_s)
@@ -207,14 +228,15 @@ def _plain(settings: Heat | GraspSettings) -> dict[str, Any]:
     return plain
 
 
-def _save(path: Path, racers: Racers) -> None:
+def _save(path: Path, under_way: UnderWay) -> None:
     with replacing(path) as file:
-        np.savez(file, **racers.arrays())
+        np.savez(file, round=under_way.round, going_on=under_way.going_on, **under_way.racers.arrays())
 
 
-def _resumed(path: Path) -> Racers | None:
+def _resumed(path: Path) -> UnderWay | None:
     if not path.is_file():
         return None
     with np.load(path, allow_pickle=False) as arrays:
         loaded: dict[str, Any] = {name: arrays[name] for name in arrays.files}
-    return Racers(**loaded)
+    number, going_on = int(loaded.pop("round")), loaded.pop("going_on")
+    return UnderWay(Racers(**loaded), number, going_on)

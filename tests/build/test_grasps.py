@@ -1,6 +1,7 @@
 """Grasps: candidates from geometry, lifts in simulation, and the database that comes with the project."""
 
 import dataclasses
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,11 +13,12 @@ from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
 from backend.build import grasps as builder
+from backend.build import racing
 from backend.build.annealing import MOST_UPWARD, Annealer
 from backend.build.grasp_figure import draw_grasps, hand_strokes
 from backend.build.grasps import APART_M, APART_RAD, BRISK, GraspSettings, best, build_grasps, distinct, is_up_to_date
 from backend.build.object_field import ObjectField, distance_at
-from backend.build.racing import Racers
+from backend.build.racing import Noise, Racers, race
 from backend.build.rig import Rig
 from backend.build.sectors import SECTORS, count_by_sector, sectors
 from backend.errors import InvalidInputError, MissingResourceError, NotFoundError
@@ -80,21 +82,42 @@ def test_the_same_seed_builds_the_same_database_with_any_number_of_workers():
     assert not is_up_to_date(first, 5, 6, dataclasses.replace(SMALL, rig=dataclasses.replace(BRISK, lift_s=0.5)))
 
 
-def test_a_build_that_was_killed_goes_on_to_the_same_end(no_checkpoints: Path):
-    def die(text: str) -> None:
-        if text.startswith("round 1"):
-            raise KeyboardInterrupt
-
-    whole = build_grasps("mico", "cube", 7, 6, lambda _: None, SMALL)
+def test_a_build_that_was_killed_anywhere_goes_on_to_the_same_end(
+    no_checkpoints: Path, monkeypatch: pytest.MonkeyPatch
+):
+    hard = Noise(xy_m=0.03)
+    settings = GraspSettings(candidates=36, rounds=((36, 1), (12, 4), (6, 8)), noise=hard)
+    whole = build_grasps("mico", "cube", 7, 6, lambda _: None, settings)
     assert not list(no_checkpoints.iterdir())
-    with pytest.raises(KeyboardInterrupt):
-        build_grasps("mico", "cube", 7, 6, die, SMALL)
-    assert len(list(no_checkpoints.iterdir())) == 1
+    monkeypatch.setattr(builder, "SAVE_EVERY_S", 0.0)
+    monkeypatch.setattr(racing, "RACERS_PER_TASK", 2)
+    kills: list[int] = []
     told: list[str] = []
-    resumed = build_grasps("mico", "cube", 7, 6, told.append, SMALL)
-    assert not any("annealing" in text for text in told)
+    monkeypatch.setattr(builder, "race", _killed_after(1, kills))
+    resumed = None
+    while resumed is None:
+        try:
+            resumed = build_grasps("mico", "cube", 7, 6, told.append, settings)
+        except KeyboardInterrupt:
+            assert len(list(no_checkpoints.iterdir())) == 1
+    assert len(kills) >= 12, "several times amid every round"
+    assert sum(text.startswith("annealing done") for text in told) == 1
     assert resumed.Ts_object_grasp.tobytes() == whole.Ts_object_grasp.tobytes()
     assert (resumed.successes == whole.successes).all()
+    assert resumed.facts["lifts"] == whole.facts["lifts"]
+
+
+def _killed_after(steps: int, kills: list[int]) -> Callable[..., Iterator[None]]:
+    """A race that is killed once it has been saved ``steps`` times and would go on."""
+
+    def killed(*arguments: Any) -> Iterator[None]:
+        for step, _ in enumerate(race(*arguments)):
+            if step == steps:
+                kills.append(step)
+                raise KeyboardInterrupt
+            yield
+
+    return killed
 
 
 @pytest.mark.usefixtures("no_checkpoints")
