@@ -35,8 +35,8 @@ OnProgress = Callable[[str], None]
 HIDDEN = 512
 LEAST_SCALE = 1e-3
 CODE = (
-    *("build/motion_*.py", "build/object_field.py", "build/symmetries.py"),
-    "knowledge/motion_*.py",
+    *(f"build/motion_{name}.py" for name in ("aware", "curves", "data", "images", "metrics", "split")),
+    *("build/object_field.py", "build/symmetries.py", "knowledge/motion_*.py"),
 )
 
 

@@ -17,6 +17,8 @@ REPEATS = 10
 """Attempts of one case with different misplacements, to see what chance decides."""
 TOP = 5
 """As many of the best as R+M takes."""
+FAR_M = 0.015
+"""A grasp whose tcp is this far from the database's grasp that it was drawn around is far beside it."""
 REPEATED, RANKED = 1, 2
 """Streams of chance, beside that of the draws."""
 
@@ -56,8 +58,21 @@ def measure(source: Source, model: MotionAwareModel, count: int, trained: int) -
         fresh = columns(cases, [attempted(rig, case) for case in cases])
         of_chance = chance(repeated(rig, source, cases[: max(count // REPEATS, 1)]))
         of_rank = worth(rig, source, model, count)
-    of_all = agreement(probabilities(model, fresh), fresh.held)
-    return {"fresh": asdict(of_all), "chance": asdict(of_chance), "worth": asdict(of_rank)}
+    return {"fresh": by_distance(source, model, fresh), "chance": asdict(of_chance), "worth": asdict(of_rank)}
+
+
+def by_distance(source: Source, model: MotionAwareModel, attempts: Attempts) -> dict[str, dict[str, Any]]:
+    """Agreement in all ``attempts``, and by how far the tcp was from the database's grasp; bands with none left out."""
+    shift_m = np.linalg.norm(attempts.Ts_object_grasp[:, :3, 3] - source.Ts_object_grasp[attempts.grasp, :3, 3], axis=1)
+    as_it_is = attempts.variant == 0
+    bands = {
+        "all": np.ones(len(attempts), np.bool_),
+        "as in the database": as_it_is,
+        f"less than {1000 * FAR_M:.0f} mm beside": ~as_it_is & (shift_m < FAR_M),
+        f"{1000 * FAR_M:.0f} mm or more beside": ~as_it_is & (shift_m >= FAR_M),
+    }
+    said = probabilities(model, attempts)
+    return {name: asdict(agreement(said[rows], attempts.held[rows])) for name, rows in bands.items() if rows.any()}
 
 
 def probabilities(model: MotionAwareModel, attempts: Attempts) -> Array:

@@ -10,9 +10,9 @@ import pytest
 from backend.build import motion_data
 from backend.build.attempts import Attempts
 from backend.build.motion_curves import curves
-from backend.build.motion_data import AttemptSettings, GraspChoice, gather
+from backend.build.motion_data import AttemptSettings, GraspChoice, columns, draw, gather
 from backend.build.motion_figure import draw_curves
-from backend.build.motion_measure import REPEATS, chance, measure, repeated, worth
+from backend.build.motion_measure import REPEATS, by_distance, chance, measure, repeated, worth
 from backend.build.motion_metrics import agreement, best_sharpness
 from backend.errors import InvalidInputError, MissingResourceError, NotFoundError
 from backend.knowledge import motion_aware as knowledge
@@ -126,9 +126,29 @@ def test_the_ranking_is_worth_more_than_any_grasp(learnt: tuple[MotionAwareModel
 def test_fresh_attempts_agree_with_what_was_measured(learnt: tuple[MotionAwareModel, Attempts]):
     fresh = measure(planted_source(settings=SETTINGS), learnt[0], 300, 3000)
     kept = learnt[0].facts["measured"]["trials"]
-    assert fresh["fresh"]["n"] == 300 and fresh["chance"]["cases"] == 30
-    assert fresh["fresh"]["accuracy"] == pytest.approx(kept["accuracy"], abs=0.07)
-    assert fresh["chance"]["accuracy"] >= fresh["fresh"]["accuracy"] - 0.07
+    of_all, *bands = fresh["fresh"].values()
+    assert of_all["n"] == 300 and fresh["chance"]["cases"] == 30
+    assert of_all["accuracy"] == pytest.approx(kept["accuracy"], abs=0.07)
+    assert fresh["chance"]["accuracy"] >= of_all["accuracy"] - 0.07
+    assert sum(band["n"] for band in bands) == 300
+    assert sum(band["n"] * band["brier"] for band in bands) == pytest.approx(300 * of_all["brier"])
+
+
+def test_attempts_are_told_apart_by_how_far_beside_a_known_grasp_they_are(learnt: tuple[MotionAwareModel, Attempts]):
+    source = planted_source(settings=SETTINGS)
+    cases = [draw(source, index) for index in range(9)]
+    for k, shift_mm in enumerate((0.0, 0.0, 14.0, 14.9, 15.1, 20.0, 30.0, 40.0, 50.0)):
+        beside = Pose(source.Ts_object_grasp[cases[k].grasp]) @ Pose.from_xyz_yaw((0.0, 0.0, shift_mm / 1000.0), 0.2)
+        cases[k] = replace(cases[k], T_object_grasp=beside, variant=0 if k == 0 else k)
+    attempts = columns(cases, [(True, "held")] * 9)
+    found = by_distance(source, learnt[0], attempts)
+    assert {name: row["n"] for name, row in found.items()} == {
+        "all": 9,
+        "as in the database": 1,
+        "less than 15 mm beside": 3,
+        "15 mm or more beside": 5,
+    }
+    assert list(by_distance(source, learnt[0], attempts.take(np.arange(1)))) == ["all", "as in the database"]
 
 
 def test_the_same_attempts_give_the_same_model(learnt: tuple[MotionAwareModel, Attempts]):

@@ -80,6 +80,7 @@ def _print(robot: str, tables: list[dict[str, Any]]) -> None:
             print(_line(table["object"], table["measured"][part]))
             if f"{part}_as_in_database" in table["measured"]:
                 print(_line("  grasps as in the database", table["measured"][f"{part}_as_in_database"]))
+        print(_line("mean", _mean([table["measured"][part] for table in tables])))
     old = [table["object"] for table in tables if not table["up_to_date"]]
     if old:
         print(f"\nLearnt from other grasps, shapes, settings or code than are here now: {', '.join(old)}")
@@ -88,13 +89,26 @@ def _print(robot: str, tables: list[dict[str, Any]]) -> None:
         return
     print(f"\n{robot}: fresh attempts\n{HEAD}")
     for table in fresh:
-        print(_line(table["object"], table["fresh"]))
+        for band, row in table["fresh"].items():
+            print(_line(table["object"] if band == "all" else f"  {band}", row))
         chance, worth = table["chance"], table["worth"]
         print(
             f"  chance caps accuracy at about {chance['accuracy']:.3f} and Brier at {chance['brier']:.3f} "
             f"({chance['cases']} cases); top 5 hold {worth['ranked']:.3f}, any grasp {worth['anyhow']:.3f} "
             f"(difference +- {1.96 * worth['standard_error']:.3f}, {worth['motions']} motions)"
         )
+    for band in fresh[0]["fresh"]:
+        rows = [table["fresh"][band] for table in fresh if band in table["fresh"]]
+        print(_line("mean" if band == "all" else f"  {band}", _mean(rows)))
+
+
+def _mean(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Each rate's mean over objects that have it; n is all their attempts."""
+    means: dict[str, Any] = {"n": sum(row["n"] for row in rows)}
+    for name in rows[0].keys() - {"n"}:
+        known = [row[name] for row in rows if row[name] is not None]
+        means[name] = sum(known) / len(known) if known else None
+    return means
 
 
 def _line(title: str, row: dict[str, Any]) -> str:
