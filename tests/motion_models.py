@@ -8,6 +8,7 @@ import pytest
 from backend.knowledge import motion_aware as knowledge
 from backend.knowledge.motion_aware import Floats, Layer, MotionAwareModel, save_motion_aware
 from backend.knowledge.motion_features import FEATURES
+from backend.pose import Array, Pose
 
 HIDDEN = 32
 
@@ -35,3 +36,9 @@ def plant_models(monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
         return path if path.is_file() else save_motion_aware(drawn_model(robot, object), path)
 
     monkeypatch.setattr(knowledge, "motion_aware_file", elsewhere)
+
+
+def random_grasps(count: int, seed: int = 0) -> Array:
+    """(count, 4, 4) hands in any posture around an object."""
+    rng = np.random.default_rng(seed)
+    return np.array([Pose.from_xyz_rpy(rng.normal(0, 0.05, 3), rng.uniform(-3, 3, 3)).matrix for _ in range(count)])

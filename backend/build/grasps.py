@@ -68,12 +68,11 @@ class UnderWay:
     going_on: Counts
     """Who runs in it. Chosen when it begins: chosen anew amid a round, by half its lifts, it would be others."""
 
-    def after(self, settings: GraspSettings) -> UnderWay:
-        """The next round, about to begin."""
-        ends = self.round == len(settings.rounds)
-        return UnderWay(
-            self.racers, self.round + 1, self.going_on if ends else best(self.racers, settings.rounds[self.round][0])
-        )
+    @staticmethod
+    def begin(racers: Racers, round: int, settings: GraspSettings) -> UnderWay:
+        """A round that is about to begin; after the last one, one that nobody runs in."""
+        keep = settings.rounds[round - 1][0] if round <= len(settings.rounds) else 0
+        return UnderWay(racers, round, best(racers, keep))
 
 
 def build_grasps(
@@ -96,8 +95,7 @@ def build_grasps(
     path = checkpoint_file(heat, settings)
     under_way = _resumed(path)
     if under_way is None:
-        racers = _entered(heat, settings, on_progress)
-        under_way = UnderWay(racers, 1, best(racers, settings.rounds[0][0]))
+        under_way = UnderWay.begin(_entered(heat, settings, on_progress), 1, settings)
         _save(path, under_way)
     racers = under_way.racers
     while under_way.round <= len(settings.rounds):
@@ -115,7 +113,7 @@ def build_grasps(
                 saved_s = now_s
         rate = racers.successes[going_on].sum() / racers.lifts[going_on].sum()
         on_progress(f"{title}{len(going_on)} grasps, {rate:.3f} of lifts hold")
-        under_way = under_way.after(settings)
+        under_way = UnderWay.begin(racers, under_way.round + 1, settings)
         _save(path, under_way)
     if not racers.successes.any():
         raise InvalidInputError(f"{robot} cannot hold {object}: none of {len(racers.lifts)} grasps lifted it.")

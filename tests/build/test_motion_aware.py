@@ -14,26 +14,15 @@ from backend.build.motion_data import AttemptSettings, GraspChoice, columns, dra
 from backend.build.motion_figure import draw_curves
 from backend.build.motion_measure import REPEATS, by_distance, chance, measure, repeated, worth
 from backend.build.motion_metrics import agreement, best_sharpness
-from backend.errors import InvalidInputError, MissingResourceError, NotFoundError
-from backend.knowledge import motion_aware as knowledge
-from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import (
     MotionAwareModel,
-    load_motion_aware,
-    motion_aware_file,
-    read_motion_aware,
-    save_motion_aware,
     sigmoid,
 )
-from backend.knowledge.motion_features import FEATURES, grasp_features, motion_features
-from backend.knowledge.pairs import forget
-from backend.objects import OBJECTS
+from backend.knowledge.motion_features import grasp_features, motion_features
 from backend.pose import Array, Pose
-from backend.robots import ROBOTS
-from tests.motion_models import drawn_model
+from tests.motion_models import drawn_model, random_grasps
 from tests.planted_rig import make_planted_rig, planted_source
 
-PAIRS = [(robot, name) for robot in sorted(ROBOTS) for name in sorted(OBJECTS)]
 SETTINGS = AttemptSettings(
     choices=(GraspChoice(0.4, 0.0, 0.0), GraspChoice(0.6, 0.012, 0.1)), misplaced_m=0.001, misplaced_rad=0.01
 )
@@ -41,11 +30,6 @@ SETTINGS = AttemptSettings(
 
 def quiet(text: str) -> None:
     pass
-
-
-def random_grasps(count: int, seed: int = 0) -> Array:
-    rng = np.random.default_rng(seed)
-    return np.array([Pose.from_xyz_rpy(rng.normal(0, 0.05, 3), rng.uniform(-3, 3, 3)).matrix for _ in range(count)])
 
 
 @pytest.fixture(scope="module")
@@ -59,16 +43,6 @@ def learnt(tmp_path_factory: pytest.TempPathFactory) -> tuple[MotionAwareModel, 
         source = planted_source(settings=SETTINGS)
         attempts = gather(source, 3000, 1, quiet)
         return build_motion_aware(source, attempts, quiet, TrainingSettings(epochs=20)), attempts
-
-
-def test_features_hold_grasp_pregrasp_and_motion():
-    T = Pose.from_xyz_rpy((0.1, -0.2, 0.3), (0.4, 0.5, 0.6))
-    pregrasp = T @ Pose.of((0.0, 0.0, -0.075))
-    row = grasp_features(T.matrix[None], 0.075)[0]
-    expected = [*T.xyz_m, *T.rotation[:, 0], *T.rotation[:, 1], *T.rotation[:, 2], *pregrasp.xyz_m]
-    np.testing.assert_allclose(row, expected)
-    motions = motion_features(np.array([0.03, 0.04]), np.array([np.pi - 1e-9, -np.pi + 1e-9]))
-    np.testing.assert_allclose(motions, [[0.03, 0.0, -1.0], [0.04, 0.0, -1.0]], atol=1e-8)
 
 
 def test_numpy_gives_what_torch_gives():
@@ -92,18 +66,6 @@ def test_numpy_gives_what_torch_gives():
     one = model.quality(Ts, float(speeds[0]), float(directions[0]))
     each = model.logits(Ts, np.full(60, speeds[0]), np.full(60, directions[0]))
     np.testing.assert_allclose(one, sigmoid(each), atol=1e-6)
-
-
-def test_a_slow_objects_direction_does_not_count_and_a_full_turn_is_none():
-    prepared = drawn_model().over(random_grasps(40))
-    rest = prepared.quality(0.004, 1.0)
-    np.testing.assert_array_equal(rest, prepared.quality(0.0, -2.0))
-    turns = np.linspace(-np.pi, np.pi, 720, endpoint=False)
-    everywhere = np.mean([prepared.quality(0.005, turn) for turn in turns], axis=0)
-    np.testing.assert_allclose(rest, everywhere, atol=1e-3)
-    np.testing.assert_allclose(prepared.quality(0.03, np.pi), prepared.quality(0.03, -np.pi), atol=1e-6)
-    assert np.abs(prepared.quality(0.03, 0.0) - prepared.quality(0.03, np.pi)).max() > 0.01
-    np.testing.assert_array_equal(prepared.quality(0.05, 1.0), prepared.quality(0.5, 1.0))
 
 
 def test_the_planted_rule_is_learnt(learnt: tuple[MotionAwareModel, Attempts]):
@@ -240,88 +202,3 @@ def test_curves_count_every_attempt_and_know_what_comes_head_on():
 def test_the_figure_is_drawn(learnt: tuple[MotionAwareModel, Attempts], tmp_path: Path):
     path = draw_curves("mico", [learnt[0]], tmp_path / "deep")
     assert path.name == "motion_aware_mico.png" and path.stat().st_size > 10_000
-
-
-def test_a_model_survives_the_file_and_stays_small(tmp_path: Path):
-    model = drawn_model(hidden=512)
-    path = save_motion_aware(model, tmp_path / "deep" / "cube.npz")
-    assert path.stat().st_size * 14 <= 12e6
-    again = read_motion_aware(path, "mico", "cube")
-    Ts = random_grasps(50)
-    np.testing.assert_array_equal(again.quality(Ts, 0.03, 0.5), model.quality(Ts, 0.03, 0.5))
-    assert (again.speeds_mps, again.backoff_m, again.facts["seed"]) == (model.speeds_mps, model.backoff_m, 0)
-
-
-@pytest.mark.parametrize("robot_object", [("mico", "power_drill"), ("ur5_robotiq", "cube")])
-def test_a_model_that_is_not_built_names_its_command(
-    robot_object: tuple[str, str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-):
-    robot, name = robot_object
-
-    def elsewhere(robot: str, object: str) -> Path:
-        return tmp_path / robot / f"{object}.npz"
-
-    monkeypatch.setattr(knowledge, "motion_aware_file", elsewhere)
-    command = f"python -m backend build motion-aware --robot {robot} --object {name}"
-    with pytest.raises(MissingResourceError, match=command):
-        load_motion_aware(robot, name)
-
-
-def test_unknown_names_are_refused():
-    with pytest.raises(NotFoundError, match="no robot named 'ur5'"):
-        load_motion_aware("ur5", "cube")
-    with pytest.raises(NotFoundError, match="no object named 'cub'"):
-        load_motion_aware("mico", "cub")
-    assert motion_aware_file("mico", "cube").parts[-4:] == ("assets", "motion_aware", "mico", "cube.npz")
-
-
-def test_the_model_of_an_own_object_lies_with_it_and_goes_with_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
-    path = save_motion_aware(drawn_model("mico", "thing"))
-    assert path == motion_aware_file("mico", "thing") and tmp_path in path.parents
-    assert tmp_path not in motion_aware_file("mico", "cube").parents
-    forget("thing")
-    assert not path.exists()
-
-
-def test_broken_and_foreign_files_are_refused(tmp_path: Path):
-    path = save_motion_aware(drawn_model(), tmp_path / "cube.npz")
-    whole = path.read_bytes()
-    with pytest.raises(InvalidInputError, match=r"model of mug for mico \(it belongs to mico and cube"):
-        read_motion_aware(path, "mico", "mug")
-    for content in (whole[: len(whole) // 2], b"", b"nonsense"):
-        path.write_bytes(content)
-        with pytest.raises(InvalidInputError, match="Make it with: python -m backend build motion-aware --robot mico"):
-            read_motion_aware(path, "mico", "cube")
-    model = drawn_model()
-    nan = model.layers[0][0].copy()
-    nan[3, 4] = np.nan
-    short = (model.layers[0][0][:-1], model.layers[0][1])
-    for layers, words in (
-        (((nan, model.layers[0][1]), *model.layers[1:]), "not finite"),
-        ((short, *model.layers[1:]), "expected"),
-    ):
-        save_motion_aware(replace(model, layers=layers), path)
-        with pytest.raises(InvalidInputError, match=words):
-            read_motion_aware(path, "mico", "cube")
-    assert FEATURES == len(model.center)
-
-
-@pytest.mark.parametrize(("robot", "name"), PAIRS)
-def test_every_pair_has_a_small_model_that_tells_grasps_apart(robot: str, name: str):
-    model = load_motion_aware(robot, name)
-    assert motion_aware_file(robot, name).stat().st_size * len(PAIRS) <= 12e6
-    quality = model.quality(load_grasps(robot, name).Ts_object_grasp, 0.03, 0.5)
-    assert quality.mean() > 0.5 and quality.std() > 0.0
-
-
-@pytest.mark.parametrize("part", ["trials", "grasps"])
-def test_together_the_models_know_more_than_the_base_rates(part: str):
-    """Each has been measured on few attempts; what they know shows over all of them."""
-    measured = [load_motion_aware(*pair).facts["measured"][part] for pair in PAIRS]
-    n, base, brier, accuracy = (
-        np.array([row[name] for row in measured]) for name in ("n", "base_rate", "brier", "accuracy")
-    )
-    assert n.sum() > 500
-    assert n @ brier < n @ (base * (1.0 - base))
-    assert n @ accuracy > n @ np.maximum(base, 1.0 - base)
