@@ -129,10 +129,10 @@ def _refuse(*_: object) -> Refusal:
 
 def test_a_way_in_that_is_wrong_and_cannot_be_bent_is_given_up_for_another(monkeypatch: pytest.MonkeyPatch):
     """The belt turns round while the hand settles, and no correction passes: it must not close on nothing."""
-    monkeypatch.setattr(approach, "ALIGN_MPS", 0.01)  # so that it takes its time
     with Episode(scenario("ur5_linear"), 3) as episode:
         phases: list[Phase] = []
         with monkeypatch.context() as refusing:
+            refusing.setattr(approach, "ALIGN_MPS", 0.01)  # so that it takes its time
             for snapshot in episode.run():
                 phases.append(snapshot.phase)
                 if snapshot.phase == "approach" and "approach" not in phases[:-1]:
