@@ -35,6 +35,10 @@ GIVE_UP_FROM = (0.01, 0.17)
 """Nor is an approach worth going on with that is so far off and cannot be corrected, before the hand slides in."""
 GIVE_UP_SLIDING_FROM = (0.025, 0.35)
 """The same while it slides in: the fingers would close on nothing, so there is nothing to lose."""
+LATER_FROM = (0.01, 0.17)
+"""A hand so far off would push the object as it slides in, so it is corrected to the last, and may arrive later,"""
+LATER_S = 1.0
+"""each time by so much at most."""
 TRUST_S = 0.5
 """A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
@@ -147,7 +151,8 @@ class Pilot:
         approach = self._cycle.rehearsal.approach(request)
         if isinstance(approach, Refusal):
             self.approach_refusal = approach.why
-            self._put_off({self._held.index}, t_s)
+            if not self._has_way_to_go(request.arm.t_s):
+                self._put_off({self._held.index}, t_s)
             return False
         if self._has_way_to_go(request.arm.t_s):
             brushed = self._cycle.rehearsal.brushes(approach.trajectory, approach.slide_s, self._object_at)
@@ -173,14 +178,17 @@ class Pilot:
         approach = self.executor.approach
         request = self._request(t_s)
         assert approach is not None
-        too_late = request.arm.t_s > approach.arrive_s - TRACKING_LAST_S
         off = approach.off_by(self._object_at)
+        missing = _beyond(off, LATER_FROM)
+        last_s = approach.arrive_s - (0.0 if missing else TRACKING_LAST_S)
+        too_late = request.arm.t_s > last_s
         if not self._cycle.method.execution.tracking or too_late or not _beyond(off, CORRECT_FROM):
             return
         kinematics, limits = self._cycle.kinematics, self._cycle.limits
         sliding = request.arm.t_s >= approach.slide_s
         if sliding:
-            corrected = correct_approach(kinematics, limits, request, approach.arrive_s)
+            latest_s = approach.arrive_s + (LATER_S if missing else 0.0)
+            corrected = correct_approach(kinematics, limits, request, approach, latest_s)
         else:
             corrected = plan_approach(kinematics, limits, request.instead_of(approach))
         if not isinstance(corrected, Refusal):

@@ -32,6 +32,8 @@ class SequenceSettings:
     """Share of sequences whose speed changes over 5 to 30 s, as it does on a belt of varying speed."""
     quick_change: float = 0.25
     """Share of sequences whose speed changes over 0.05 to 2 s."""
+    reversal: float = 0.3
+    """Share of the quick changes that end in the opposite direction."""
     noise_m: float = 0.006
     """Largest standard deviation of the position's noise, in each axis."""
     yaw_noise_rad: float = 0.1
@@ -119,6 +121,8 @@ def _progress(t_s: Array, speed: Array, rng: np.random.Generator, settings: Sequ
     begin_s = rng.uniform(-WINDOW_S - over_s, HORIZONS_S[-1])
     factor = np.where(changes, np.exp(rng.uniform(-1.0, 1.0, (n, 1)) * np.where(quick, 3.0, 1.2)), 1.0)
     factor = np.clip(speed * factor, *settings.speed_mps) / speed
+    back = quick & (rng.random((n, 1)) < settings.reversal)
+    factor = np.where(back, -np.minimum(factor, 2.0), factor)
     u, u0 = (t_s - begin_s) / over_s, -begin_s / over_s
     return speed * (t_s + (factor - 1.0) * over_s * (_ramped(u) - _ramped(u0)))
 

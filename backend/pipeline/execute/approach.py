@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from backend.kinematics import Kinematics
-from backend.pipeline.execute.blend import rotations, rotvec, to_zero
 from backend.pipeline.execute.cartesian import WITHIN, ArmState, follow, knot_times, limit_ratio
+from backend.pipeline.execute.relative_way import Offset, RelativeWay, as_state
 from backend.pipeline.retime.limits import JointLimits
 from backend.pipeline.values import Refusal
 from backend.pose import Array, Pose, inverse, rotation_angle_rad
@@ -22,13 +22,15 @@ ALIGN_MPS = 0.06
 ALIGN_RPS = 0.6
 SHORTEST_ALIGN_S = 0.25
 """The hand settles onto the grasp's axis at about these speeds, and takes at least so long."""
-RATES_OVER_S = 0.01
-"""Half the time over which the hand's rates relative to the grasp are measured."""
+MOMENTS_S = np.array([-0.01, 0.0, 0.01])
+"""Between the outer two, the hand's rates relative to the grasp are measured."""
 SETTLES_YET_S = 0.25
 """A hand that is to slide in at some moment may settle so long after it: a slide begins slowly."""
 KEPT_SHARE = 0.9
 """A slide that had to be slow is corrected to one that may be quicker by so much."""
 STRETCHES = 6
+LATER_BY_S = 0.2
+"""A correction that is beyond the arm is tried with an arrival so much later."""
 LONGEST_S = 6.0
 RIDE_S = 0.9
 """So long the hand rides along with the object at most; the fingers need 0.4 to 0.8 s to close."""
@@ -43,6 +45,8 @@ class Approach:
     slide_s: float
     """When the hand is aligned and starts to slide in along the grasp's axis."""
     arrive_s: float
+    way: RelativeWay
+    """The same motion as it is seen from the grasp."""
     T_world_object: Pose
     """Where the object is expected at ``arrive_s``."""
 
@@ -81,26 +85,30 @@ def plan_approach(kinematics: Kinematics, limits: JointLimits, request: Approach
     Both happen in the frame of the moving object. The motion starts with the velocity the arm has, and arrives at
     rest relative to the object, with which it then rides along.
     """
-    offset, drift, spin = _relative_state(kinematics, request)
-    sideways_m = float(np.linalg.norm(offset[:3, 3] + [0.0, 0.0, request.backoff_m]))
-    turn_rad = float(np.linalg.norm(rotvec(offset[:3, :3])))
-    align_s = max(SHORTEST_ALIGN_S, sideways_m / ALIGN_MPS, turn_rad / ALIGN_RPS)
+    state, rate = _relative_state(kinematics, request)
+    back = np.array([0.0, 0.0, -request.backoff_m, 0.0, 0.0, 0.0])
+    aside = state - back
+    align_s = max(
+        SHORTEST_ALIGN_S,
+        float(np.linalg.norm(aside[:3])) / ALIGN_MPS,
+        float(np.linalg.norm(aside[3:])) / ALIGN_RPS,
+    )
     slide_s = request.slide_s
-    back = np.array([0.0, 0.0, -request.backoff_m])
+    now_s = request.arm.t_s
     for _ in range(STRETCHES):
         from_s = align_s if request.slide_from_s is None else max(request.slide_from_s, align_s - SETTLES_YET_S)
-        t_s = knot_times(from_s + slide_s + request.ride_s)
-        still_back = to_zero(np.ones(1), np.zeros(1), slide_s, np.maximum(t_s - from_s, 0.0))
-        place = still_back * back + to_zero(offset[:3, 3] - back, drift, align_s, t_s)
-        turn = to_zero(rotvec(offset[:3, :3]), spin, align_s, t_s)
-        trajectory = _followed(kinematics, request, t_s, place, turn)
+        slide_start_s = now_s + from_s
+        arrive_s = slide_start_s + slide_s
+        sliding_in = Offset(back, np.zeros(6), slide_start_s, arrive_s)
+        settling = Offset(aside, rate, now_s, now_s + align_s)
+        way = RelativeWay((sliding_in, settling))
+        trajectory = _followed(kinematics, request, way, arrive_s)
         if trajectory is None:
             return Refusal("the arm cannot follow the approach on one IK branch")
         aligning = limit_ratio(trajectory, limits, until_s=align_s)
         sliding = limit_ratio(trajectory, limits, from_s=from_s)
         if max(aligning, sliding) <= WITHIN:
-            slide_start_s = request.arm.t_s + from_s
-            return _approach(trajectory, slide_start_s, slide_start_s + slide_s, request)
+            return _approach(trajectory, way, slide_start_s, arrive_s, request)
         align_s *= _stretch(aligning)
         slide_s *= _stretch(sliding)
         if from_s + slide_s > LONGEST_S:
@@ -109,45 +117,54 @@ def plan_approach(kinematics: Kinematics, limits: JointLimits, request: Approach
 
 
 def correct_approach(
-    kinematics: Kinematics, limits: JointLimits, request: ApproachRequest, arrive_s: float
+    kinematics: Kinematics, limits: JointLimits, request: ApproachRequest, approach: Approach, latest_s: float
 ) -> Approach | Refusal:
-    """Bend a slide that is under way to a new prediction, without changing when it arrives."""
-    offset, drift, spin = _relative_state(kinematics, request)
-    left_s = arrive_s - request.arm.t_s
-    t_s = knot_times(left_s + request.ride_s)
-    place = to_zero(offset[:3, 3], drift, left_s, t_s)
-    turn = to_zero(rotvec(offset[:3, :3]), spin, left_s, t_s)
-    trajectory = _followed(kinematics, request, t_s, place, turn)
-    if trajectory is None or limit_ratio(trajectory, limits) > WITHIN:
-        return Refusal("the correction is beyond the arm")
-    return _approach(trajectory, request.arm.t_s, arrive_s, request)
+    """Bend a slide that is under way to a new prediction, without changing when it arrives.
+
+    Where that is beyond the arm, it arrives as little later as it can, but not after ``latest_s``.
+    """
+    now_s = request.arm.t_s
+    state, rate = _relative_state(kinematics, request)
+    was, was_rate = _state_and_rate(approach.way.at(now_s + MOMENTS_S))
+    arrive_s = approach.arrive_s
+    way = RelativeWay((*approach.way.offsets, Offset(state - was, rate - was_rate, now_s, arrive_s)))
+    while True:
+        trajectory = _followed(kinematics, request, way, arrive_s)
+        if trajectory is not None and limit_ratio(trajectory, limits) <= WITHIN:
+            return _approach(trajectory, way, approach.slide_s, arrive_s, request)
+        if arrive_s >= latest_s:
+            return Refusal("the correction is beyond the arm")
+        arrive_s = min(arrive_s + LATER_BY_S, latest_s)
+        way = RelativeWay((Offset(state, rate, now_s, arrive_s),))
 
 
-def _approach(trajectory: Trajectory, slide_s: float, arrive_s: float, request: ApproachRequest) -> Approach:
+def _approach(
+    trajectory: Trajectory, way: RelativeWay, slide_s: float, arrive_s: float, request: ApproachRequest
+) -> Approach:
     T_world_object = Pose(request.object_at(np.array([arrive_s]))[0])
-    return Approach(trajectory, slide_s, arrive_s, T_world_object)
+    return Approach(trajectory, slide_s, arrive_s, way, T_world_object)
 
 
 def _stretch(ratio: float) -> float:
     return min(max(1.03 * ratio, 1.05), 2.0) if ratio > 1.0 else 1.0
 
 
-def _relative_state(kinematics: Kinematics, request: ApproachRequest) -> tuple[Array, Array, Array]:
-    """T_grasp_tcp (4, 4) now, and the rates of its position, (3,) m/s, and of its rotation vector, (3,) rad/s."""
+def _relative_state(kinematics: Kinematics, request: ApproachRequest) -> tuple[Array, Array]:
+    """(6,) position and rotation vector of the tcp in the grasp's frame now, and how fast they change."""
     arm = request.arm
-    steps_s = np.array([-RATES_OVER_S, 0.0, RATES_OVER_S])
-    Ts_grasp = request.object_at(arm.t_s + steps_s) @ request.T_object_grasp.matrix
-    before, now, after = inverse(Ts_grasp) @ kinematics.fk_many(arm.q + steps_s[:, None] * arm.qd)
-    spin = (rotvec(after[:3, :3]) - rotvec(before[:3, :3])) / (2.0 * RATES_OVER_S)
-    return now, (after[:3, 3] - before[:3, 3]) / (2.0 * RATES_OVER_S), spin
+    Ts_grasp = request.object_at(arm.t_s + MOMENTS_S) @ request.T_object_grasp.matrix
+    Ts_grasp_tcp = inverse(Ts_grasp) @ kinematics.fk_many(arm.q + MOMENTS_S[:, None] * arm.qd)
+    return _state_and_rate(np.array([as_state(T) for T in Ts_grasp_tcp]))
 
 
-def _followed(
-    kinematics: Kinematics, request: ApproachRequest, t_s: Array, place: Array, turn: Array
-) -> Trajectory | None:
-    """Trajectory along T_grasp_tcp, given as positions (n, 3) and rotation vectors (n, 3) at the knots (n,)."""
-    Ts_grasp = request.object_at(request.arm.t_s + t_s) @ request.T_object_grasp.matrix
-    Ts_grasp_tcp = np.tile(np.eye(4), (len(t_s), 1, 1))
-    Ts_grasp_tcp[:, :3, :3] = rotations(turn)
-    Ts_grasp_tcp[:, :3, 3] = place
-    return follow(kinematics, request.arm, t_s, Ts_grasp @ Ts_grasp_tcp)
+def _state_and_rate(states: Array) -> tuple[Array, Array]:
+    """The middle one of states (3, 6) at ``MOMENTS_S``, and the rate there."""
+    return states[1], (states[2] - states[0]) / (MOMENTS_S[2] - MOMENTS_S[0])
+
+
+def _followed(kinematics: Kinematics, request: ApproachRequest, way: RelativeWay, arrive_s: float) -> Trajectory | None:
+    """Trajectory along the way to the moving grasp, and along with it for as long as was asked."""
+    t_s = knot_times(arrive_s - request.arm.t_s + request.ride_s)
+    at_s = request.arm.t_s + t_s
+    Ts_grasp = request.object_at(at_s) @ request.T_object_grasp.matrix
+    return follow(kinematics, request.arm, t_s, Ts_grasp @ way.Ts_grasp_tcp(at_s))
