@@ -118,6 +118,21 @@ def test_drawn_sequences_go_on_where_they_were_seen():
     assert 0.0 < step_m.max() < 0.1 * np.sqrt(1.0 + 3.0**2)
 
 
+def test_some_belts_turn_round():
+    def share_that_end_backwards(reversal: float) -> float:
+        settings = SequenceSettings(shares=(1.0, 0.0, 0.0, 0.0), clean=1.0, quick_change=1.0, reversal=reversal)
+        drawn = draw_sequences(1000, np.random.default_rng(3), settings)
+        oldest, newest = (
+            drawn.states[:, -1, :3] - drawn.states[:, -2, :3],
+            drawn.future[:, -1, :3] - drawn.future[:, -2, :3],
+        )
+        return float((np.einsum("ij,ij->i", oldest, newest) < 0.0).mean())
+
+    assert share_that_end_backwards(0.0) == 0.0
+    assert 0.2 < share_that_end_backwards(0.5) < 0.5
+    assert share_that_end_backwards(1.0) > 0.5
+
+
 def test_predictions_move_and_turn_with_what_they_are_made_from():
     weights = load_weights(FEATURES, HORIZONS)
     drawn = draw_sequences(20, np.random.default_rng(2))
