@@ -89,9 +89,10 @@ def test_a_slide_at_the_arms_limit_takes_every_small_correction_and_arrives_when
     np.testing.assert_allclose(qd, 0.0, atol=1e-2)
 
 
-def test_a_correction_beyond_the_arm_is_refused_or_arrives_later():
+@pytest.mark.parametrize("left_s", [0.3, 0.0])
+def test_a_correction_beyond_the_arm_is_refused_or_arrives_later(left_s: float):
     asked, approach = going_in()
-    now_s = approach.arrive_s - 0.3
+    now_s = approach.arrive_s - left_s
     arm = ArmState(*approach.trajectory.sample(now_s), now_s)
     seen = replace(asked, arm=arm, object_at=standing(0.05, 0.1))
     assert isinstance(correct_approach(KINEMATICS, LIMITS, seen, approach, approach.arrive_s), Refusal)

@@ -129,7 +129,7 @@ def correct_approach(
     arrive_s = approach.arrive_s
     way = RelativeWay((*approach.way.offsets, Offset(state - was, rate - was_rate, now_s, arrive_s)))
     while True:
-        trajectory = _followed(kinematics, request, way, arrive_s)
+        trajectory = _followed(kinematics, request, way, arrive_s) if arrive_s > now_s else None
         if trajectory is not None and limit_ratio(trajectory, limits) <= WITHIN:
             return _approach(trajectory, way, approach.slide_s, arrive_s, request)
         if arrive_s >= latest_s:
