@@ -209,7 +209,7 @@ class Cycle:
             rng_seed = int(self._rng.integers(1, 2**31))
             request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
             plan, timed = self._planned(arm, request, predictor, watch)
-            if isinstance(timed, Brush):
+            if isinstance(timed, Brush) and self._evasion(start, arm.t_s, predictor) is not None:
                 around, timed_around = self._planned_around(timed, arm, request, predictor, watch)
                 if isinstance(timed_around, Trajectory):
                     plan, timed = around, timed_around
@@ -246,7 +246,10 @@ class Cycle:
     def _planned_around(
         self, brush: Brush, arm: ArmState, request: PlanRequest, predictor: Predictor, watch: _Stopwatch
     ) -> tuple[Plan | Refusal, Trajectory | Brush | Refusal]:
-        """The same with the object where it would be touched; then all of the motion is held against where it goes."""
+        """The same with the object where it would be touched; then all of the motion is held against where it goes.
+
+        For an arm that cannot stay as it is: going on as before it would touch the object soon, too.
+        """
         self.scene.move_target(Pose(seen_by(predictor, np.array([brush.at_s]))[0]))
         return self._planned(arm, request, predictor, watch, wary_s=np.inf)
 

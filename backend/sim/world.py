@@ -172,11 +172,14 @@ class World:
         return [self._bullet.pose(body) for body in self._obstacles]
 
     def touching_object(self) -> tuple[set[str], bool]:
-        """Names of the robot's links in contact with the object, and whether anything else touches it."""
+        """Names of the robot's links in contact with the object, and whether anything else touches it.
+
+        Surfaces that press on each other touch, though the solver may hold them tenths of a millimetre apart.
+        """
         links: set[str] = set()
         others = False
         for contact in self._bullet.contacts(self._target):
-            if contact.distance_m > 0.0:
+            if contact.distance_m > 0.0 and contact.normal_force_n <= 0.0:
                 continue
             other, link = (
                 (contact.body_b, contact.link_b) if contact.body_a == self._target else (contact.body_a, contact.link_a)

@@ -1,12 +1,14 @@
 """The belt carries its load truly: in every task, from the first step on, for light and awkward objects."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from backend.errors import InvalidInputError
 from backend.events import MoveObstacle, SetBeltRate
 from backend.scenario import scenario_names
-from backend.sim.bullet import STEP_S
+from backend.sim.bullet import STEP_S, Bullet, Contact
 from tests.sim.worlds import standing, world_of
 
 
@@ -86,3 +88,22 @@ def test_an_obstacle_that_is_not_there_cannot_be_moved():
     with world_of("mico_linear", "cube") as world:
         with pytest.raises(InvalidInputError, match="no obstacle 0; this scene has 0"):
             world.apply(MoveObstacle(index=0, x_m=0.5, y_m=0.5))
+
+
+@pytest.mark.parametrize(
+    ("distance_m", "share_of_force", "touches"), [(2e-4, 1.0, True), (2e-4, 0.0, False), (0.0, 0.0, True)]
+)
+def test_what_presses_on_the_object_touches_it_even_across_a_gap(
+    monkeypatch: pytest.MonkeyPatch, distance_m: float, share_of_force: float, touches: bool
+):
+    """Bullet holds surfaces apart that press on each other: by up to 0.2 mm where a hand grips with 180 N."""
+    contacts = Bullet.contacts
+
+    def told(bullet: Bullet, *bodies: int) -> list[Contact]:
+        real = contacts(bullet, *bodies)
+        return [replace(c, distance_m=distance_m, normal_force_n=share_of_force * c.normal_force_n) for c in real]
+
+    with world_of("ur5_linear", "cube") as world:
+        world.step(*standing(world))
+        monkeypatch.setattr(Bullet, "contacts", told)
+        assert world.touching_object() == (set(), touches)
