@@ -21,10 +21,10 @@ from backend.pipeline.pick import goals_at_once, pick_nearest
 from backend.pipeline.plan import Planner, make_planner
 from backend.pipeline.predict import Predictor
 from backend.pipeline.reasons import with_others
-from backend.pipeline.rehearse import LOOK_EVERY_S, Brush, Rehearsal
+from backend.pipeline.rehearse import LOOK_EVERY_S, Rehearsal
 from backend.pipeline.retime import JointLimits, retime
 from backend.pipeline.think import ThinkTime
-from backend.pipeline.values import Candidate, CycleResult, JointGoal, Plan, PlanRequest, Prediction, Refusal, Room
+from backend.pipeline.values import Candidate, CycleResult, JointGoal, PlanRequest, Prediction, Refusal, Room
 from backend.pose import Array, Pose
 from backend.robots.description import RobotDescription
 from backend.sim.planning_scene import PlanningScene
@@ -206,52 +206,31 @@ class Cycle:
             if not left:
                 break
             asked, choices = goals_at_once(left, start.held, self._planner.grasps_at_once, arm.q)
-            rng_seed = int(self._rng.integers(1, 2**31))
-            request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
-            plan, timed = self._planned(arm, request, predictor, watch)
-            if isinstance(timed, Brush) and self._evasion(start, arm.t_s, predictor) is not None:
-                around, timed_around = self._planned_around(timed, arm, request, predictor, watch)
-                if isinstance(timed_around, Trajectory):
-                    plan, timed = around, timed_around
-                assert result.prediction is not None
-                self.scene.move_target(result.prediction.pose(1))
+            with watch("plan"):
+                rng_seed = int(self._rng.integers(1, 2**31))
+                request = PlanRequest(arm.q, tuple(q for _, q in choices), seed_path, rng_seed)
+                plan = self._planner.plan(request, self.scene)
             if isinstance(plan, Refusal):
                 result = replace(result, picked=asked[0], seed_path=seed_path, refused_by="plan", why=plan.why)
                 left = left[len(asked) :]
                 continue
             candidate = choices[plan.goal_index][0]
+            with watch("retime"):
+                timed = self._timed(arm, plan.path, predictor)
             so_far = replace(result, picked=candidate, seed_path=seed_path, plan=plan)
-            if isinstance(timed, Trajectory):
+            if not isinstance(timed, Refusal):
                 return replace(so_far, trajectory=timed, refused_by=None, why="")
-            why = f"on the way, {timed}" if isinstance(timed, Brush) else timed.why
-            result = replace(so_far, refused_by="retime", why=why)
+            result = replace(so_far, refused_by="retime", why=timed.why)
             left.remove(candidate)
         return result
 
-    def _planned(
-        self, arm: ArmState, request: PlanRequest, predictor: Predictor, watch: _Stopwatch, wary_s: float = WARY_S
-    ) -> tuple[Plan | Refusal, Trajectory | Brush | Refusal]:
-        """A path and its timing, if the motion does not touch the object for ``wary_s`` as that moves on."""
-        with watch("plan"):
-            plan = self._planner.plan(request, self.scene)
-        if isinstance(plan, Refusal):
-            return plan, plan
-        with watch("retime"):
-            timed = retime(plan.path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
-            if isinstance(timed, Refusal):
-                return plan, timed
-            brush = self.rehearsal.brushes(timed, arm.t_s + wary_s, lambda t_s: seen_by(predictor, t_s))
-        return plan, brush or timed
-
-    def _planned_around(
-        self, brush: Brush, arm: ArmState, request: PlanRequest, predictor: Predictor, watch: _Stopwatch
-    ) -> tuple[Plan | Refusal, Trajectory | Brush | Refusal]:
-        """The same with the object where it would be touched; then all of the motion is held against where it goes.
-
-        For an arm that cannot stay as it is: going on as before it would touch the object soon, too.
-        """
-        self.scene.move_target(Pose(seen_by(predictor, np.array([brush.at_s]))[0]))
-        return self._planned(arm, request, predictor, watch, wary_s=np.inf)
+    def _timed(self, arm: ArmState, path: Path, predictor: Predictor) -> Trajectory | Refusal:
+        """The motion along a path from ``arm`` on, if it does not touch the object as that moves on."""
+        trajectory = retime(path, arm.qd, self.limits, arm.t_s, self.method.retimer, self.scene.free_many)
+        if isinstance(trajectory, Refusal):
+            return trajectory
+        touches = self.rehearsal.brushes(trajectory, arm.t_s + WARY_S, lambda t_s: seen_by(predictor, t_s))
+        return Refusal(f"on the way, {touches}") if touches else trajectory
 
     def _evasion(self, start: CycleStart, from_s: float, predictor: Predictor) -> Trajectory | None:
         in_force = np.array([start.arm_at(t_s).q for t_s in np.arange(from_s, from_s + WARY_S, LOOK_EVERY_S)])

@@ -156,8 +156,8 @@ def test_a_belt_that_turns_round_as_the_hand_goes_in_does_not_save_the_object(na
     assert grasped(name, seed, rate=-1.0)
 
 
-def test_a_grasp_that_every_straight_way_would_brush_is_reached_around_the_object():
-    """Only one trial in 11,760 was known to need it: without, it ends with the belt."""
+def test_a_grasp_that_cannot_be_gone_in_for_yet_is_not_dropped_on_the_way_to_it():
+    """Else the arm turns from one grasp to the next until the belt has come to its end, as it once did here."""
     setup = scenario("ur5_linear_z", "method=ours_rm", "object=sugar_box")
     assert run_trial(setup, seed=11).strict
 

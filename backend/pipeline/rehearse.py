@@ -1,7 +1,5 @@
 """Rehearse: whether the way in and the lift after it can be done, before they begin or before a grasp is chosen."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -28,18 +26,6 @@ LOOK_EVERY_S = 0.1
 """Time between two looks at whether arm and moving object meet."""
 LEFT_AFTER = 15
 """Looks, 1.5 s: the hand is drawn out from beside an object in about so long."""
-
-
-@dataclass(frozen=True)
-class Brush:
-    """A touch, on a motion that begins at ``start_s``."""
-
-    start_s: float
-    at_s: float
-    what: str
-
-    def __str__(self) -> str:
-        return f"in {self.at_s - self.start_s:.1f} s {self.what}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +72,11 @@ class Rehearsal:
                 refused.setdefault(candidate.index, f"in rehearsal: {approach.why}")
         return picked, refused
 
-    def brushes(self, trajectory: Trajectory, until_s: float, object_at: ObjectAt) -> Brush | None:
-        """The first touch of the moving object or its tray before then, if there is one."""
+    def brushes(self, trajectory: Trajectory, until_s: float, object_at: ObjectAt) -> str:
+        """What would touch the moving object or its tray before then; empty if nothing."""
         t_s = np.arange(trajectory.start_s, min(until_s, trajectory.end_s), LOOK_EVERY_S)
         found = self.meets(trajectory.positions(t_s), object_at(t_s))
-        return None if found is None else Brush(trajectory.start_s, float(t_s[found[0]]), found[1])
+        return "" if found is None else f"in {t_s[found[0]] - trajectory.start_s:.1f} s {found[1]}"
 
     def meets(self, qs: Array, Ts_world_object: Array) -> tuple[int, str] | None:
         """Which of postures (n, dof), ``LOOK_EVERY_S`` apart, first touches anything as the object moves on, and what.

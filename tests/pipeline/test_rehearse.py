@@ -220,18 +220,18 @@ def sweep(begin_s: float, candidate: Candidate) -> Trajectory:
 
 def test_a_motion_through_the_object_as_it_moves_is_told_and_when(picked: tuple[Candidate, ...]):
     scene = standing_on_the_belt()
-    brush = rehearsal(scene).brushes(sweep(0.0, picked[0]), 10.0, object_at)
-    told = re.fullmatch(r"in ([\d.]+) s \S+ too near to the (cube|tray)", str(brush))
+    words = rehearsal(scene).brushes(sweep(0.0, picked[0]), 10.0, object_at)
+    told = re.fullmatch(r"in ([\d.]+) s \S+ too near to the (cube|tray)", words)
     assert told
     blocked = [not free_at(scene, sweep(0.0, picked[0]), t_s) for t_s in np.arange(0.0, 4.0, 0.1)]
     assert float(told[1]) == pytest.approx(0.1 * blocked.index(True))
-    assert rehearsal(scene).brushes(sweep(0.0, picked[0]), float(told[1]) - 0.05, object_at) is None
-    assert replace(rehearsal(scene), wanted=False).brushes(sweep(0.0, picked[0]), 10.0, object_at) is None
+    assert rehearsal(scene).brushes(sweep(0.0, picked[0]), float(told[1]) - 0.05, object_at) == ""
+    assert replace(rehearsal(scene), wanted=False).brushes(sweep(0.0, picked[0]), 10.0, object_at) == ""
 
 
 def test_a_motion_through_where_the_object_has_been_is_not(picked: tuple[Candidate, ...]):
     away_s = 0.5 / float(SPEED_MPS[1])
-    assert rehearsal(standing_on_the_belt()).brushes(sweep(away_s, picked[0]), away_s + 10.0, object_at) is None
+    assert rehearsal(standing_on_the_belt()).brushes(sweep(away_s, picked[0]), away_s + 10.0, object_at) == ""
 
 
 def test_an_arm_that_touches_already_may_move_away(picked: tuple[Candidate, ...]):
@@ -239,7 +239,7 @@ def test_an_arm_that_touches_already_may_move_away(picked: tuple[Candidate, ...]
     away = Trajectory(np.array([0.0, 2.0]), np.stack([q, picked[0].goals[0].q_pregrasp]), np.zeros((2, 6)))
     scene = standing_on_the_belt()
     assert not free_at(scene, away, 0.0)
-    assert rehearsal(scene).brushes(away, 10.0, object_at) is None
+    assert rehearsal(scene).brushes(away, 10.0, object_at) == ""
 
 
 def free_at(scene: PlanningScene, trajectory: Trajectory, t_s: float) -> bool:
