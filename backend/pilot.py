@@ -36,9 +36,9 @@ GIVE_UP_FROM = (0.01, 0.17)
 GIVE_UP_SLIDING_FROM = (0.025, 0.35)
 """The same while it slides in: the fingers would close on nothing, so there is nothing to lose."""
 LATER_FROM = (0.01, 0.17)
-"""A hand so far off would push the object as it slides in, so it is corrected to the last, and may arrive later,"""
+"""A hand that would arrive so far off would push the object: it is corrected to the last, and may arrive later."""
 LATER_S = 1.0
-"""each time by so much at most."""
+"""How much later, at most, in one correction."""
 TRUST_S = 0.5
 """A grasp that has passed its rehearsal is not rehearsed again for so long."""
 PUT_OFF_S = 2.0
