@@ -33,6 +33,17 @@ def test_json_is_one_object_on_stdout_and_nothing_else():
     assert answer.returncode == 1
 
 
+@pytest.mark.parametrize(("timed", "last"), [([], "of those that lifted"), (["--lifts", "4"], "lifts/s")])
+def test_grasps_are_reported_with_lifts_a_second_where_asked(
+    capsys: pytest.CaptureFixture[str], timed: list[str], last: str
+):
+    assert main(["report", "grasps", "--robot", "mico", "--object", "cube", *timed]) == 0
+    head, rule, row = (line.strip("| ").split("|") for line in capsys.readouterr().out.splitlines())
+    assert head[-1].strip() == last and len(head) == len(rule) == len(row)
+    assert [cell.strip() for cell in row[:2]] == ["mico cube", "100"]
+    assert float(row[2]) > 0.95 and all(cell.strip() for cell in row)
+
+
 def test_a_trial_is_described_for_people(capsys: pytest.CaptureFixture[str]):
     assert main(["trial", "mico_linear", *QUICK]) == 1
     text = capsys.readouterr().out
