@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from backend.bench.figure import Figure
-from backend.cli.choices import teller
+from backend.cli.telling import Teller
 from backend.machine import machine
 
 LIFTS, FEW_LIFTS = 100, 2
@@ -43,4 +43,4 @@ def _figures(options: argparse.Namespace) -> Iterator[Figure]:
     from backend.bench.sizes import FULL, QUICK
 
     drawn = Path(options.figures) if options.figures else None
-    return motion_bench.measure(QUICK if options.quick else FULL, 0, teller("bench motion"), drawn)
+    return motion_bench.measure(QUICK if options.quick else FULL, 0, Teller("bench motion"), drawn)

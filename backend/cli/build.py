@@ -6,7 +6,8 @@ import time
 from typing import Any
 
 from backend.build import grasps
-from backend.cli.choices import UP_TO_DATE, chosen_pairs, chosen_robots, chosen_workers, shelved, teller
+from backend.cli.choices import UP_TO_DATE, chosen_pairs, chosen_robots, chosen_workers, shelved
+from backend.cli.telling import Teller
 from backend.errors import InvalidInputError
 from backend.files import cache_folder
 from backend.kinematics import load_kinematics
@@ -42,7 +43,7 @@ def _grasps(options: argparse.Namespace) -> int:
     built: list[dict[str, Any]] = []
     for robot, name in chosen_pairs(options):
         begun_s = time.perf_counter()
-        tell = teller(robot, name)
+        tell = Teller(robot, name)
         there = None if options.again else shelved(load_grasps, robot, name)
         if there is not None and grasps.is_up_to_date(there, options.seed, options.count):
             tell(UP_TO_DATE)
@@ -71,7 +72,7 @@ def _reachability(options: argparse.Namespace) -> int:
             load_grasps(robot, name)
     built: list[dict[str, Any]] = []
     for robot in robots:
-        tell = teller(robot, "reachability")
+        tell = Teller(robot, "reachability")
         there = None if options.again else shelved(load_reachability, robot)
         if there is not None and is_up_to_date(there, options.seed):
             tell(UP_TO_DATE)
@@ -94,7 +95,7 @@ def _predictor(options: argparse.Namespace) -> int:
     from backend.build.predictor import build_predictor, is_up_to_date
 
     begun_s = time.perf_counter()
-    tell = teller("predictor", f"seed {options.seed}")
+    tell = Teller("predictor", f"seed {options.seed}")
     there = None if options.again else shelved(load_weights, FEATURES, len(HORIZONS_S))
     if there is not None and is_up_to_date(there, options.seed):
         tell(UP_TO_DATE)

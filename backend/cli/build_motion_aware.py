@@ -6,7 +6,8 @@ import time
 from typing import Any
 
 from backend.build.motion_data import gather, source_of
-from backend.cli.choices import UP_TO_DATE, chosen_pairs, chosen_workers, shelved, teller
+from backend.cli.choices import UP_TO_DATE, chosen_pairs, chosen_workers, shelved
+from backend.cli.telling import Teller
 from backend.errors import InvalidInputError
 from backend.knowledge.grasps import load_grasps
 from backend.knowledge.motion_aware import load_motion_aware, save_motion_aware
@@ -26,7 +27,7 @@ def build_all(options: argparse.Namespace) -> int:
     for robot, name in pairs:
         begun_s = time.perf_counter()
         source = source_of(load_grasps(robot, name), options.seed)
-        tell = teller(robot, name)
+        tell = Teller(robot, name)
         there = None if options.again else shelved(load_motion_aware, robot, name)
         if there is not None and is_up_to_date(there, source, options.attempts):
             tell(UP_TO_DATE)

@@ -1,8 +1,7 @@
-"""Choices that commands share: which robots and objects, how many workers; and where progress is told."""
+"""Choices that commands share: which robots and objects, how many workers."""
 
 import argparse
 import os
-import sys
 from collections.abc import Callable
 from typing import ParamSpec, TypeVar
 
@@ -51,13 +50,3 @@ def shelved(load: Callable[Names, Found], *names: Names.args, **more: Names.kwar
         return load(*names, **more)
     except (MissingResourceError, InvalidInputError):
         return None
-
-
-def teller(*words: str) -> Callable[[str], None]:
-    """Tells progress on stderr, every line led by ``words``."""
-    lead = " ".join(words)
-
-    def tell(text: str) -> None:
-        print(f"{lead}: {text}" if lead else text, file=sys.stderr, flush=True)
-
-    return tell

@@ -2,12 +2,12 @@
 
 import argparse
 import json
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from backend.cli.telling import Teller
 from backend.errors import InvalidInputError, NotFoundError, not_found_text
 from backend.files import remove
 from backend.knowledge.grasps import grasp_file
@@ -53,7 +53,7 @@ def _add(options: argparse.Namespace) -> int:
             f"There is an object named {wanted.name!r} already ({own_file(wanted.name)}). "
             "Choose another --name, or say --replace, which also forgets its grasps and models."
         )
-    made = make_own(Path(options.mesh), wanted, lambda text: print(f"{wanted.name}: {text}", file=sys.stderr))
+    made = make_own(Path(options.mesh), wanted, Teller(wanted.name))
     forget(wanted.name)
     path = save_own(made.described)
     entry = _entry(made.described) | {

@@ -11,11 +11,10 @@ from rich.live import Live
 from rich.progress_bar import ProgressBar
 from rich.text import Text
 
+from backend.cli.telling import LINE_EVERY_S
 from backend.experiments.grid.row import GridRow
 from backend.experiments.grid.settings import JudgeName
 from backend.experiments.grid.store import Store
-
-LINE_EVERY_S = 30.0
 
 
 class Progress:

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from backend.cli.telling import Teller
 from backend.errors import InvalidInputError
 from backend.film.film import pictures, shown
 from backend.film.takes import takes_of
@@ -50,9 +50,9 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _told(drawn: Iterator[NDArray[np.uint8]], total: int, quiet: bool) -> Iterator[NDArray[np.uint8]]:
-    """The same, with progress on a terminal."""
-    live = sys.stderr.isatty() and not quiet
+    """The same, with progress told."""
+    tell = Teller()
     for i, picture in enumerate(drawn):
-        if live:
-            print(f"\rpicture {i + 1} of {total}", end="" if i + 1 < total else "\n", file=sys.stderr, flush=True)
+        if not quiet:
+            tell(f"picture {i + 1} of {total}")
         yield picture

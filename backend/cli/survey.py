@@ -3,11 +3,11 @@
 import argparse
 import json
 import os
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
+from backend.cli.telling import Teller
 from backend.errors import InvalidInputError
 from backend.experiments.survey import Job, Row, run_jobs, summary
 from backend.objects import OBJECTS
@@ -22,10 +22,10 @@ def run(options: argparse.Namespace) -> int:
         raise InvalidInputError(f"--workers must be at least 1 (got {options.workers})")
     jobs = _jobs(options)
     rows: list[Row] = []
-    begun_s = time.perf_counter()
+    begun_s, tell = time.perf_counter(), Teller()
     for row in run_jobs(jobs, options.workers or os.cpu_count() or 1):
         rows.append(row)
-        _progress(len(rows), len(jobs), rows, time.perf_counter() - begun_s)
+        tell(_progress(rows, len(jobs), time.perf_counter() - begun_s))
     rows.sort(key=lambda row: (row.name, row.record.object, row.record.seed))
     if options.out is not None:
         lines = [json.dumps({"name": row.name, **row.record.as_dict()}) for row in rows]
@@ -57,13 +57,9 @@ def _jobs(options: argparse.Namespace) -> list[Job]:
     return jobs
 
 
-def _progress(done: int, total: int, rows: list[Row], elapsed_s: float) -> None:
-    success = sum(row.record.strict for row in rows) / done
-    text = f"{done}/{total} trials, {done / elapsed_s:.2f}/s, strict success {success:.3f}"
-    if sys.stderr.isatty():
-        print(f"\r{text}", end="" if done < total else "\n", file=sys.stderr, flush=True)
-    elif done % 50 == 0 or done == total:
-        print(text, file=sys.stderr, flush=True)
+def _progress(rows: list[Row], total: int, elapsed_s: float) -> str:
+    done, held = len(rows), sum(row.record.strict for row in rows)
+    return f"{done} of {total} trials, {done / elapsed_s:.2f}/s, strict success {held / done:.3f}"
 
 
 def _table(title: str, lines: list[dict[str, Any]]) -> str:

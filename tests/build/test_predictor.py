@@ -122,11 +122,9 @@ def test_some_belts_turn_round():
     def share_that_end_backwards(reversal: float) -> float:
         settings = SequenceSettings(shares=(1.0, 0.0, 0.0, 0.0), clean=1.0, quick_change=1.0, reversal=reversal)
         drawn = draw_sequences(1000, np.random.default_rng(3), settings)
-        oldest, newest = (
-            drawn.states[:, -1, :3] - drawn.states[:, -2, :3],
-            drawn.future[:, -1, :3] - drawn.future[:, -2, :3],
-        )
-        return float((np.einsum("ij,ij->i", oldest, newest) < 0.0).mean())
+        at_first = drawn.states[:, -2, :3] - drawn.states[:, -1, :3]  # looks are newest first
+        at_last = drawn.future[:, -1, :3] - drawn.future[:, -2, :3]
+        return float((np.einsum("ij,ij->i", at_first, at_last) < 0.0).mean())
 
     assert share_that_end_backwards(0.0) == 0.0
     assert 0.2 < share_that_end_backwards(0.5) < 0.5

@@ -7,7 +7,8 @@ from typing import Any
 
 from backend.build.reach_figure import draw_slices
 from backend.build.reach_finish import report
-from backend.cli.choices import chosen_robots, teller
+from backend.cli.choices import chosen_robots
+from backend.cli.telling import Teller
 from backend.errors import InvalidInputError
 from backend.kinematics import load_kinematics
 from backend.knowledge.reachability import load_reachability
@@ -23,7 +24,7 @@ def tables(options: argparse.Namespace) -> dict[str, Any]:
         if options.figures:
             path = draw_slices(reach, Path(options.figures))
             print(f"{robot}: slices in {path}", file=sys.stderr)
-        found.append(report(reach, load_kinematics(robot), options.seed, options.poses, teller()))
+        found.append(report(reach, load_kinematics(robot), options.seed, options.poses, Teller()))
     return {"reachability": found}
 
 
