@@ -5,7 +5,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import Generator, Iterator
+from collections.abc import Callable, Generator, Iterator
 from contextlib import contextmanager
 from types import FrameType
 
@@ -50,7 +50,8 @@ def _run(asked: Asked, workers: int, store: Store, jobs: Iterator[Job], total: i
     """Whether all jobs were run."""
     executor = _executor(asked, workers, store)
     try:
-        with _interrupts() as stop, Progress(total, store, asked.plan.settings.judge) as progress:
+        progress = Progress(total, store, asked.plan.settings.judge)
+        with _interrupts(progress.tell) as stop:
             return drive(jobs, executor, store, stop, progress.row)
     except StorageError as error:
         raise StorageError(f"{error} Make room; the same command goes on from here.") from error
@@ -96,7 +97,7 @@ def _dry_run(asked: Asked, workers: int, as_json: bool) -> int:
 
 
 @contextmanager
-def _interrupts() -> Generator[Stop]:
+def _interrupts(tell: Callable[[str], None]) -> Generator[Stop]:
     """Ctrl-C, or a job queue's SIGTERM, wants a stop; another Ctrl-C ends at once."""
     stop = Stop()
 
@@ -104,7 +105,7 @@ def _interrupts() -> Generator[Stop]:
         if stop.wanted:
             raise KeyboardInterrupt
         stop.wanted = True
-        _say("\nStopping: the trials under way are finished first. Once more ends at once.")
+        tell("Stopping: the trials under way are finished first. Once more ends at once.")
 
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

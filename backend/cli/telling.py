@@ -14,7 +14,6 @@ from rich.table import Table
 from rich.text import Text
 
 LINE_EVERY_S = 30.0
-"""Where there is no terminal."""
 BAR_WIDTH = 24
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)*")
 _OF = re.compile(r"\b(\d+) of (\d+)\b")
@@ -25,8 +24,9 @@ _ONE_UP = Control.move(0, -1), Control((ControlType.ERASE_IN_LINE, 2))
 class Teller:
     """Takes progress in words, as ``OnProgress`` does, and leads every line by ``words``.
 
-    Texts that differ in their numbers only are news of one thing: on a terminal the newer one takes the older one's
-    place, elsewhere one is told every ``LINE_EVERY_S``, and always the first and the last of them.
+    Texts that begin alike, up to a comma and but for numbers, are news of one thing: on a terminal the newer one takes
+    the older one's place; elsewhere one is told every ``LINE_EVERY_S``, besides the first, the one that says that all
+    is done, and the last before news of something else.
     """
 
     def __init__(
@@ -38,9 +38,10 @@ class Teller:
         self._told_s = 0.0
         self._thing: str | None = None
         self._held_back: str | None = None
+        self._rows = 0
 
     def __call__(self, text: str) -> None:
-        thing = _NUMBER.sub("", text)
+        thing = _NUMBER.sub("", text).split(",")[0]
         goes_on, self._thing = thing == self._thing, thing
         line = f"{self._lead}: {text}" if self._lead else text
         if self._console.is_terminal:
@@ -55,11 +56,12 @@ class Teller:
 
     def _draw(self, line: str, done: float | None, in_place: bool) -> None:
         if in_place:
-            self._console.control(*_ONE_UP)
-        row = Table.grid(padding=(0, 1))
+            self._console.control(*_ONE_UP * self._rows)
+        table = Table.grid(padding=(0, 1))
         bar = [] if done is None else [ProgressBar(1.0, done, width=BAR_WIDTH)]
-        row.add_row(*bar, Text(line, no_wrap=True, overflow="ellipsis"))
-        self._console.print(row)
+        table.add_row(*bar, Text(line))
+        self._rows = len(self._console.render_lines(table))
+        self._console.print(table)
 
     def _print(self, line: str) -> None:
         self._held_back, self._told_s = None, self._clock()

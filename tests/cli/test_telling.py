@@ -61,9 +61,13 @@ def test_on_a_terminal_the_bar_grows():
     assert lengths == [BAR_WIDTH // 4, BAR_WIDTH // 2, BAR_WIDTH]
 
 
-def test_on_a_narrow_terminal_a_line_stays_one_line():
-    text = "3 of 40 grasps, and much more that would not find room in so few columns"
-    assert len(on_a_terminal([text, text.replace("3", "4")], width=60)) == 1
+def test_on_a_narrow_terminal_all_is_said_and_all_rows_are_replaced():
+    text = "{} of 40 grasps, and much more that would not find room in one row of so few columns"
+    lines = on_a_terminal([text.format(3), text.format(4), "Stopping: one moment", text.format(5)], width=60)
+    first = next(i for i, line in enumerate(lines) if "Stopping" in line)
+    for number, rows in ((4, lines[:first]), (5, lines[first + 1 :])):
+        assert len(rows) > 1
+        assert " ".join(row.strip("━╸╺ ") for row in rows) == f"mico cube: {text.format(number)}"
 
 
 def test_elsewhere_lines_come_now_and_then_the_first_and_the_last_always():
